@@ -1,0 +1,2 @@
+//! rilievo-cli
+fn main() {}
