@@ -1,0 +1,60 @@
+//! [`Integrator`]: what a render estimates.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What a render estimates. Named in scene files and on the command line by its [`fmt::Display`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Whitted's recursion with Cook's distributed samples: emission, direct light with soft
+    /// shadows, glossy reflection. No diffuse interreflection, so biased by design.
+    Distributed,
+    /// The first hit's geometry only; colour is the albedo under a headlight.
+    Aov,
+}
+
+impl Integrator {
+    /// All integrators.
+    pub const ALL: [Self; 2] = [Self::Distributed, Self::Aov];
+
+    /// The name in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Distributed => "distributed",
+            Self::Aov => "aov",
+        }
+    }
+}
+
+impl fmt::Display for Integrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that no integrator has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no integrator is called \"{0}\"; there are \"distributed\" and \"aov\"")]
+pub struct UnknownIntegrator(pub String);
+
+impl FromStr for Integrator {
+    type Err = UnknownIntegrator;
+
+    fn from_str(name: &str) -> Result<Self, UnknownIntegrator> {
+        let found = Self::ALL.into_iter().find(|integrator| integrator.name() == name);
+        found.ok_or_else(|| UnknownIntegrator(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for integrator in Integrator::ALL {
+            assert_eq!(integrator.to_string().parse(), Ok(integrator));
+        }
+        assert!("path".parse::<Integrator>().is_err());
+    }
+}

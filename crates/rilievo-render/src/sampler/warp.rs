@@ -1,0 +1,92 @@
+//! Warps of the unit square to distributions, each with its density.
+//!
+//! `square_to_x(u)` for uniform `u` in `[0, 1)^2` is distributed with density `square_to_x_pdf`.
+//! Directions are unit vectors around +z.
+//!
+//! Gloss: microfacet normals of the GGX distribution, drawn in proportion to their area as seen
+//! from `view` by a spherical cap [Dupuy2023]. Reflecting `view` about them gives directions around
+//! the mirror direction. The renderer averages the light from there with equal weights: the lobe
+//! integrates to 1 for any view and roughness, so a closed white furnace keeps its energy. What is
+//! left out against the full model is the masking of the outgoing side.
+
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+/// The unit disk, uniform; concentric squares go to concentric circles [Shirley1997].
+pub fn square_to_disk(u: DVec2) -> DVec2 {
+    let p = 2.0 * u - 1.0;
+    if p == DVec2::ZERO {
+        return p;
+    }
+    let (r, angle) = if p.x.abs() > p.y.abs() {
+        (p.x, FRAC_PI_4 * (p.y / p.x))
+    } else {
+        (p.y, 2.0 * FRAC_PI_4 - FRAC_PI_4 * (p.x / p.y))
+    };
+    r * DVec2::new(angle.cos(), angle.sin())
+}
+
+/// Density of [`square_to_disk`], per unit area.
+pub fn square_to_disk_pdf(p: DVec2) -> f64 {
+    if p.length_squared() <= 1.0 { FRAC_1_PI } else { 0.0 }
+}
+
+/// The upper hemisphere, in proportion to the cosine with +z.
+pub fn square_to_hemisphere(u: DVec2) -> DVec3 {
+    let p = square_to_disk(u);
+    p.extend((1.0 - p.length_squared()).max(0.0).sqrt())
+}
+
+/// Density of [`square_to_hemisphere`], per steradian.
+pub fn square_to_hemisphere_pdf(direction: DVec3) -> f64 {
+    direction.z.max(0.0) * FRAC_1_PI
+}
+
+/// Directions within a cone around +z, uniform. `height` is 1 minus the cosine of the half angle,
+/// given so that thin cones keep their digits.
+pub fn square_to_cone(u: DVec2, height: f64) -> DVec3 {
+    let below = u.x * height;
+    let sin = (below * (2.0 - below)).max(0.0).sqrt();
+    let (sin_turn, cos_turn) = (TAU * u.y).sin_cos();
+    DVec3::new(sin * cos_turn, sin * sin_turn, 1.0 - below)
+}
+
+/// Density of [`square_to_cone`], per steradian.
+pub fn square_to_cone_pdf(direction: DVec3, height: f64) -> f64 {
+    if 1.0 - direction.z <= height { 1.0 / (TAU * height) } else { 0.0 }
+}
+
+/// The parallelogram from `corner` along two edges, uniform.
+pub fn square_to_quad(u: DVec2, corner: DVec3, edges: [DVec3; 2]) -> DVec3 {
+    corner + u.x * edges[0] + u.y * edges[1]
+}
+
+/// Density of [`square_to_quad`], per unit area.
+pub fn square_to_quad_pdf(edges: [DVec3; 2]) -> f64 {
+    1.0 / edges[0].cross(edges[1]).length()
+}
+
+/// Microfacet normals visible from `view` (unit, `view.z >= 0`), for GGX width `alpha > 0`.
+pub fn square_to_visible_normal(u: DVec2, view: DVec3, alpha: f64) -> DVec3 {
+    let stretched = (view * DVec3::new(alpha, alpha, 1.0)).normalize_or(DVec3::Z);
+    let z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.y).sin_cos();
+    let half = DVec3::new(r * cos, r * sin, z) + stretched;
+    (half * DVec3::new(alpha, alpha, 1.0)).with_z(half.z.max(0.0)).normalize_or(DVec3::Z)
+}
+
+/// Density of [`square_to_visible_normal`], per steradian.
+pub fn square_to_visible_normal_pdf(normal: DVec3, view: DVec3, alpha: f64) -> f64 {
+    if normal.z <= 0.0 {
+        return 0.0;
+    }
+    let a2 = alpha * alpha;
+    let slope = normal.truncate().length_squared() / a2 + normal.z * normal.z;
+    let distribution = 1.0 / (PI * a2 * slope * slope);
+    let spread = (view.z * view.z + a2 * view.truncate().length_squared()).sqrt();
+    // Smith masking over the view's cosine: G1(view) / view.z.
+    let seen = 2.0 / (view.z + spread);
+    distribution * seen * view.dot(normal).max(0.0)
+}

@@ -1,0 +1,177 @@
+//! [`Scene`]: surfaces, materials, lights and a camera, checked once and never changed.
+
+pub mod camera;
+pub mod material;
+pub mod settings;
+
+pub use camera::{Camera, CameraError, CameraParts};
+pub use material::{Material, MaterialError, Reflectance};
+pub use settings::{RenderSettings, SettingsError};
+
+use rilievo::surface::World;
+
+use crate::colour::{Rgb, is_radiance};
+use crate::light::Light;
+
+/// What a scene is made of.
+#[derive(Debug)]
+pub struct SceneParts {
+    /// The surfaces.
+    pub world: World,
+    /// The materials.
+    pub materials: Vec<Material>,
+    /// For each surface of `world`, in order, its index in `materials`.
+    pub material_of: Vec<u32>,
+    /// The camera.
+    pub camera: Camera,
+    /// Radiance seen where a ray meets nothing. It lights no diffuse surface.
+    pub background: Rgb,
+    /// Radiance added to every surface, times its diffuse reflectance.
+    pub ambient: Rgb,
+    /// How to render.
+    pub settings: RenderSettings,
+}
+
+/// Why a scene was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// `material_of` does not have one entry per surface.
+    #[error("{surfaces} surfaces but {found} material indices")]
+    MaterialCount {
+        /// Surfaces in the world.
+        surfaces: usize,
+        /// Entries given.
+        found: usize,
+    },
+    /// A surface names a material that does not exist.
+    #[error("surface {surface} names material {found}, but there are {materials}")]
+    NoSuchMaterial {
+        /// Index of the surface.
+        surface: usize,
+        /// Index of the material it names.
+        found: u32,
+        /// Number of materials.
+        materials: usize,
+    },
+    /// A material is out of range.
+    #[error("material {index}: {error}")]
+    Material {
+        /// Index of the material.
+        index: usize,
+        /// What is wrong with it.
+        error: MaterialError,
+    },
+    /// `background` or `ambient` has a channel that is negative, NaN or infinite.
+    #[error("{part} is [{}, {}, {}]; channels must be finite and at least 0", found.x, found.y, found.z)]
+    Radiance {
+        /// `background` or `ambient`.
+        part: &'static str,
+        /// The value found.
+        found: Rgb,
+    },
+    /// The settings are out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+/// A scene ready to be traced: every index resolves and every number is in range.
+#[derive(Debug)]
+pub struct Scene {
+    parts: SceneParts,
+    lights: Vec<Light>,
+}
+
+impl Scene {
+    /// Checks `parts` against each other and finds the lights.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first part that does not fit.
+    pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
+        let surfaces = parts.world.surfaces();
+        if parts.material_of.len() != surfaces.len() {
+            let (surfaces, found) = (surfaces.len(), parts.material_of.len());
+            return Err(SceneError::MaterialCount { surfaces, found });
+        }
+        let materials = parts.materials.len();
+        let names = parts.material_of.iter().enumerate();
+        if let Some((surface, &found)) = names.clone().find(|&(_, &m)| m as usize >= materials) {
+            return Err(SceneError::NoSuchMaterial { surface, found, materials });
+        }
+        for (index, material) in parts.materials.iter().enumerate() {
+            material.check().map_err(|error| SceneError::Material { index, error })?;
+        }
+        for (part, found) in [("background", parts.background), ("ambient", parts.ambient)] {
+            if !is_radiance(found) {
+                return Err(SceneError::Radiance { part, found });
+            }
+        }
+        parts.settings.check()?;
+        let lights = names
+            .filter_map(|(index, &m)| {
+                let emitted = parts.materials[m as usize].emitted;
+                Light::of_surface(&surfaces[index], index as u32, emitted)
+            })
+            .collect();
+        Ok(Self { parts, lights })
+    }
+
+    /// The same scene under other settings.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names the first count that is out of range.
+    pub fn with_settings(mut self, settings: RenderSettings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        self.parts.settings = settings;
+        Ok(self)
+    }
+
+    /// The same scene seen by another camera.
+    #[must_use]
+    pub fn with_camera(mut self, camera: Camera) -> Self {
+        self.parts.camera = camera;
+        self
+    }
+
+    /// The surfaces.
+    pub fn world(&self) -> &World {
+        &self.parts.world
+    }
+
+    /// The materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.parts.materials
+    }
+
+    /// The material of a surface, by the `surface` of a hit.
+    ///
+    /// # Panics
+    /// If the world has no such surface.
+    pub fn material(&self, surface: u32) -> &Material {
+        &self.parts.materials[self.parts.material_of[surface as usize] as usize]
+    }
+
+    /// The lights that are sampled, in the order of their surfaces.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.parts.camera
+    }
+
+    /// Radiance seen where a ray meets nothing.
+    pub fn background(&self) -> Rgb {
+        self.parts.background
+    }
+
+    /// Radiance added to every surface, times its diffuse reflectance.
+    pub fn ambient(&self) -> Rgb {
+        self.parts.ambient
+    }
+
+    /// How to render.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.parts.settings
+    }
+}

@@ -1,0 +1,93 @@
+//! [`RenderSettings`]: how a scene asks to be rendered.
+
+use crate::film::filter::Filter;
+use crate::integrator::Integrator;
+
+/// How a scene asks to be rendered. [`super::Scene`] holds a checked copy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RenderSettings {
+    /// What is estimated.
+    pub integrator: Integrator,
+    /// Camera rays per pixel, 1 to [`Self::MAX_SAMPLES`].
+    pub samples: u32,
+    /// Shadow rays per light and hit, 1 to [`Self::MAX_SPLIT`].
+    pub shadow_samples: u32,
+    /// Reflection rays at a glossy first hit, 1 to [`Self::MAX_SPLIT`].
+    pub glossy_samples: u32,
+    /// Bounces after the first hit, at most [`Self::MAX_DEPTH`]; 0 is emission and direct light.
+    pub max_depth: u32,
+    /// Seed of every random choice.
+    pub seed: u64,
+    /// Pixel filter.
+    pub filter: Filter,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Distributed,
+            samples: 16,
+            shadow_samples: 4,
+            glossy_samples: 4,
+            max_depth: 5,
+            seed: 0,
+            filter: Filter::Box,
+        }
+    }
+}
+
+/// Why settings were refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{setting} is {found}; {min} to {max} are allowed")]
+pub struct SettingsError {
+    /// The name of the setting.
+    pub setting: &'static str,
+    /// The value found.
+    pub found: u32,
+    /// The smallest value allowed.
+    pub min: u32,
+    /// The largest value allowed.
+    pub max: u32,
+}
+
+impl RenderSettings {
+    /// Most camera rays per pixel.
+    pub const MAX_SAMPLES: u32 = 1 << 20;
+    /// Most shadow or reflection rays per hit.
+    pub const MAX_SPLIT: u32 = 1 << 12;
+    /// Most bounces: the recursion must fit a thread's stack.
+    pub const MAX_DEPTH: u32 = 256;
+
+    /// Checks every count.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names the first count that is out of range.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let within = |setting, found, min, max| {
+            if (min..=max).contains(&found) {
+                Ok(())
+            } else {
+                Err(SettingsError { setting, found, min, max })
+            }
+        };
+        within("samples", self.samples, 1, Self::MAX_SAMPLES)?;
+        within("shadow_samples", self.shadow_samples, 1, Self::MAX_SPLIT)?;
+        within("glossy_samples", self.glossy_samples, 1, Self::MAX_SPLIT)?;
+        within("max_depth", self.max_depth, 0, Self::MAX_DEPTH)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_out_of_range_are_named() {
+        assert_eq!(RenderSettings::default().check(), Ok(()));
+        let none = RenderSettings { samples: 0, ..RenderSettings::default() };
+        assert_eq!(none.check().unwrap_err().setting, "samples");
+        let deep = RenderSettings { max_depth: 257, ..RenderSettings::default() };
+        let message = deep.check().unwrap_err().to_string();
+        assert_eq!(message, "max_depth is 257; 0 to 256 are allowed");
+    }
+}
