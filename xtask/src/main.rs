@@ -1,2 +1,40 @@
-//! xtask
-fn main() {}
+//! `cargo xtask`: development commands.
+//!
+//! * `cargo xtask ci` runs everything that gates a change, in the order in which it fails fastest.
+//! * `cargo xtask tidy` checks the house rules that neither rustc nor clippy knows.
+//!
+//! Exit codes: 0 all is well, 1 something failed, 2 the command line is wrong.
+
+mod ci;
+mod tidy;
+
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str = "usage: cargo xtask <ci | tidy>";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask lies in the repository");
+    let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["ci"] => ci::run(root),
+        ["tidy"] => tidy::run(root),
+        _ => {
+            say(USAGE);
+            return ExitCode::from(2);
+        }
+    };
+    if passed {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Writes one line to stderr; a closed stderr is no reason to fail.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
