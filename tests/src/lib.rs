@@ -1,1 +1,11 @@
-//! tests
+//! The judge and the suites of rilievo: an independent `f64` oracle, and one conformance suite
+//! that every method of tracing joins in one line.
+
+pub mod conformance;
+pub mod image;
+pub mod maps;
+pub mod nudge;
+pub mod oracle;
+pub mod random;
+pub mod rays;
+pub mod scenes;
