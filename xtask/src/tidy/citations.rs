@@ -1,8 +1,9 @@
 //! Rule: every paper cited by key stands in `docs/REFERENCES.bib`, once.
 //!
 //! A key is the first author's name and the year, perhaps with a letter, in square brackets:
-//! several keys stand in one pair, parted by commas. In a doc comment the brackets are escaped,
-//! or rustdoc takes the key for a link. Keys that nothing cites are warned of.
+//! several keys may stand in one pair, parted by commas, and a place in the paper after them. In a
+//! doc comment the brackets are escaped, or rustdoc takes the key for a link. Keys that nothing
+//! cites are warned of.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -86,11 +87,12 @@ fn citations(text: &str) -> Vec<Citation> {
                 continue;
             };
             let inside = inside.strip_suffix('\\').unwrap_or(inside);
-            let keys: Vec<&str> = inside.split([',', ';']).map(str::trim).collect();
-            if keys.iter().all(|key| is_key(key)) {
-                found.extend(keys.iter().map(|key| Citation {
+            let mut words = inside.split([',', ';']).map(str::trim).peekable();
+            // After a first key stand more keys, or the place in the paper.
+            if words.peek().is_some_and(|word| is_key(word)) {
+                found.extend(words.filter(|word| is_key(word)).map(|key| Citation {
                     line: index + 1,
-                    key: (*key).to_owned(),
+                    key: key.to_owned(),
                     escaped: line[..at].ends_with('\\'),
                 }));
             }
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn unknown_and_unused_keys_are_found() {
-        let rust = "//! After \\[Whitted1980\\] and \\[Nobody1999, Whitted1980\\].";
+        let rust = "//! After \\[Whitted1980\\] and \\[Nobody1999, Whitted1980, section 2\\].";
         assert_eq!(
             found(&[("a.rs", rust), (BIBLIOGRAPHY, BIB)]),
             [
