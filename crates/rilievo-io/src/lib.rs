@@ -1,1 +1,20 @@
-//! rilievo-io
+//! Files of rilievo: scenes, images, meshes and baked maps, read into typed values and written
+//! back.
+//!
+//! | module | reads | writes |
+//! |---|---|---|
+//! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM | EXR, PNG |
+//!
+//! Nothing here trusts a file. Sizes are checked against [`Limits`] before memory is asked for,
+//! decoders of other crates run behind a guard that turns their panics into errors, and every
+//! [`Error`] names the file, the place, the value found and the values allowed. What is written
+//! appears under its name whole or not at all: [`atomic`].
+
+pub mod atomic;
+mod error;
+mod guard;
+pub mod image;
+mod limits;
+
+pub use error::{Error, Excerpt, Fault, Place, Result};
+pub use limits::Limits;

@@ -1,0 +1,124 @@
+//! Image files: height maps, colour images, normal maps, rendered pictures.
+//!
+//! | format | height map | colour | named channels | written |
+//! |---|---|---|---|---|
+//! | PNG 1-16 bit, all colour types | yes | yes, sRGB | yes | RGB 8 bit, grey 16 bit |
+//! | TIFF 8-64 bit integers, 16-64 bit floats | yes | 8, 16 bit: sRGB; floats: linear | yes | no |
+//! | JPEG 8 bit | yes | yes, sRGB | yes | no |
+//! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | float, ZIP |
+//! | PFM | yes | yes, linear | yes | no |
+//!
+//! The format is told from the first bytes, not from the name. Row 0 of what this module returns
+//! as a map or a texture is the *bottom* row of the image (`v = 0`); only [`ChannelImage`], a
+//! picture, keeps its top row first.
+//!
+//! Sizes declared in headers are checked against [`Limits`] before anything is allocated, and a
+//! panic of a decoder is an error like any other.
+
+mod channels;
+mod colour;
+mod exr;
+mod height;
+mod jpeg;
+mod pfm;
+mod png;
+mod source;
+mod tiff;
+mod write_exr;
+mod write_png;
+
+use std::path::Path;
+
+pub use channels::{Attribute, Channel, ChannelImage};
+pub use colour::{read_colour, read_colour_bytes};
+pub use height::HeightOptions;
+pub use source::{ImageInfo, SampleKind};
+pub use write_exr::{Picture, PictureChannel};
+pub use write_png::{write_png_grey16, write_png_rgb8};
+
+use crate::error::Result;
+use crate::guard::guarded;
+use crate::limits::Limits;
+use source::{Context, Flow, Row, Sink, Source};
+
+/// The image formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// Portable Network Graphics.
+    Png,
+    /// TIFF and BigTIFF.
+    Tiff,
+    /// JPEG.
+    Jpeg,
+    /// OpenEXR.
+    Exr,
+    /// Portable float map.
+    Pfm,
+}
+
+impl ImageFormat {
+    /// What is read, in words.
+    pub(crate) const NAMES: &'static str = "PNG, TIFF, JPEG, OpenEXR, PFM";
+
+    /// The format of a file that begins with `head`.
+    pub fn of(head: &[u8]) -> Option<Self> {
+        match head {
+            [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Self::Tiff),
+            [0xff, 0xd8, ..] => Some(Self::Jpeg),
+            [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
+            [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => Some(Self::Pfm),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for ImageFormat {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Png => "PNG",
+            Self::Tiff => "TIFF",
+            Self::Jpeg => "JPEG",
+            Self::Exr => "OpenEXR",
+            Self::Pfm => "PFM",
+        })
+    }
+}
+
+/// Decodes `source` into `sink`.
+fn decode(mut source: Source<'_>, sink: &mut dyn Sink) -> Result<()> {
+    guarded(source.context.path, move || {
+        let format = source.format()?;
+        let Source { context, input } = source;
+        match format {
+            ImageFormat::Png => png::decode(context, input, sink),
+            ImageFormat::Tiff => tiff::decode(context, input, sink),
+            ImageFormat::Jpeg => jpeg::decode(context, input, sink),
+            ImageFormat::Exr => exr::decode(context, input, sink),
+            ImageFormat::Pfm => pfm::decode(context, input, sink),
+        }
+    })
+}
+
+/// Reads the header of an image and nothing else.
+///
+/// # Errors
+/// As the readers, for what the header shows.
+pub fn read_image_info(path: &Path, limits: &Limits) -> Result<ImageInfo> {
+    /// Keeps the header.
+    struct Header(Option<ImageInfo>);
+
+    impl Sink for Header {
+        fn begin(&mut self, info: &ImageInfo) -> Result<Flow> {
+            self.0 = Some(*info);
+            Ok(Flow::Stop)
+        }
+
+        fn row(&mut self, _: u32, _: Row<'_>) {}
+    }
+
+    let mut header = Header(None);
+    let source = Source::open(path, limits)?;
+    decode(source, &mut header)?;
+    header.0.ok_or_else(|| Context { path, limits }.damaged("no header"))
+}

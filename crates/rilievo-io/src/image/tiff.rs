@@ -1,0 +1,185 @@
+//! TIFF and BigTIFF, through the `tiff` crate: strips and tiles, chunky samples.
+//!
+//! Unsigned 8- and 16-bit samples are codes. Everything else is taken as numbers and becomes f32:
+//! exact for signed 8- and 16-bit integers and for half floats, rounded to the nearest for wider
+//! integers and doubles (a 32-bit height in metres is good to a few millimetres at 2^15 m).
+//!
+//! One row of tiles, or one strip, is decoded at a time.
+
+use tiff::ColorType;
+use tiff::decoder::{Decoder, DecodingResult, Limits as TiffLimits};
+use tiff::tags::Tag;
+
+use super::ImageFormat;
+use super::source::{Context, Flow, ImageInfo, Input, Row, SampleKind, Sink};
+use crate::error::{Place, Result};
+
+/// Decodes the first image of a TIFF.
+pub(super) fn decode(
+    context: Context<'_>,
+    input: Box<dyn Input + '_>,
+    sink: &mut dyn Sink,
+) -> Result<()> {
+    let damaged = |e: tiff::TiffError| context.damaged(e);
+    let most = usize::try_from(context.limits.max_bytes).unwrap_or(usize::MAX);
+    let mut limits = TiffLimits::default();
+    limits.decoding_buffer_size = most;
+    limits.intermediate_buffer_size = most;
+    // The tables of strip offsets are tag values too: 16 MiB are two million strips.
+    limits.ifd_value_size = most.min(16 << 20);
+    let mut decoder = Decoder::new(input).map_err(damaged)?.with_limits(limits);
+    let info = header(context, &mut decoder)?;
+    context.check(&info)?;
+    let (tile_width, tile_height) = decoder.chunk_dimensions();
+    if tile_width == 0 || tile_height == 0 {
+        return Err(context.damaged("a tile without pixels"));
+    }
+    // A tile may be declared larger than its image; a strip is cut to it.
+    let band_height = tile_height.min(info.height);
+    let sides = [tile_width.max(info.width), band_height, info.channels, info.file_bits / 8];
+    let what = "decoding a row of tiles";
+    context.limits.check(context.path, Place::Header, what, &sides.map(u64::from))?;
+    if sink.begin(&info)? == Flow::Stop {
+        return Ok(());
+    }
+    let across = info.width.div_ceil(tile_width);
+    let mut band = Band::new(&info, band_height);
+    for top in (0..info.height).step_by(tile_height as usize) {
+        let rows = band_height.min(info.height - top);
+        for column in 0..across {
+            let chunk = top / tile_height * across + column;
+            let (width, height) = decoder.chunk_data_dimensions(chunk);
+            let left = column * tile_width;
+            if height < rows || width < tile_width.min(info.width - left) {
+                return Err(context.damaged(format!("tile {chunk} is too small")));
+            }
+            let samples = decoder.read_chunk(chunk).map_err(damaged)?;
+            if !band.put(left, width, rows, samples) {
+                return Err(context.damaged(format!("tile {chunk} holds too few samples")));
+            }
+        }
+        for y in 0..rows {
+            sink.row(top + y, band.row(y));
+        }
+    }
+    Ok(())
+}
+
+/// Reads and judges the header.
+fn header(context: Context<'_>, decoder: &mut Decoder<Box<dyn Input + '_>>) -> Result<ImageInfo> {
+    let damaged = |e: tiff::TiffError| context.damaged(e);
+    let (width, height) = decoder.dimensions().map_err(damaged)?;
+    let colour = decoder.colortype().map_err(damaged)?;
+    let channels = match colour {
+        ColorType::Gray(_) => 1,
+        ColorType::GrayA(_) | ColorType::Multiband { num_samples: 2, .. } => 2,
+        ColorType::RGB(_) => 3,
+        ColorType::RGBA(_) => 4,
+        other => {
+            let allowed = "grey or RGB, with or without alpha";
+            return Err(context.unsupported("colour type", format!("{other:?}"), allowed));
+        }
+    };
+    let file_bits = u32::from(colour.bit_depth());
+    if !matches!(file_bits, 8 | 16 | 32 | 64) {
+        let found = format!("{file_bits} bits");
+        return Err(context.unsupported("sample size", found, "8, 16, 32 or 64 bits"));
+    }
+    let planes = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).map_err(damaged)?;
+    if channels > 1 && planes == Some(2) {
+        return Err(context.unsupported("planar configuration", "2 (planes)", "1 (chunky)"));
+    }
+    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(damaged)?;
+    let unsigned = formats.is_none_or(|f| f.iter().all(|&f| f == 1));
+    let sample = match file_bits {
+        8 if unsigned => SampleKind::U8,
+        16 if unsigned => SampleKind::U16,
+        _ => SampleKind::F32,
+    };
+    Ok(ImageInfo { format: ImageFormat::Tiff, width, height, channels, sample, file_bits })
+}
+
+/// One row of tiles, put together to full image rows.
+struct Band {
+    row_length: usize,
+    channels: usize,
+    samples: Samples,
+}
+
+enum Samples {
+    U8(Vec<u8>),
+    U16(Vec<u16>),
+    F32(Vec<f32>),
+}
+
+impl Band {
+    fn new(info: &ImageInfo, rows: u32) -> Self {
+        let row_length = (info.width * info.channels) as usize;
+        let count = row_length * rows as usize;
+        let samples = match info.sample {
+            SampleKind::U8 => Samples::U8(vec![0; count]),
+            SampleKind::U16 => Samples::U16(vec![0; count]),
+            SampleKind::F32 => Samples::F32(vec![0.0; count]),
+        };
+        Self { row_length, channels: info.channels as usize, samples }
+    }
+
+    /// Places a tile that is `width` pixels wide; `false` if it does not hold them.
+    fn put(&mut self, left: u32, width: u32, rows: u32, tile: DecodingResult) -> bool {
+        let place = Tile {
+            start: left as usize * self.channels,
+            length: width as usize * self.channels,
+            rows: rows as usize,
+            stride: self.row_length,
+        };
+        match (&mut self.samples, tile) {
+            (Samples::U8(to), DecodingResult::U8(from)) => place.copy(&from, to, |v| v),
+            (Samples::U16(to), DecodingResult::U16(from)) => place.copy(&from, to, |v| v),
+            (Samples::F32(to), tile) => match tile {
+                DecodingResult::I8(from) => place.copy(&from, to, f32::from),
+                DecodingResult::I16(from) => place.copy(&from, to, f32::from),
+                DecodingResult::U32(from) => place.copy(&from, to, |v| v as f32),
+                DecodingResult::I32(from) => place.copy(&from, to, |v| v as f32),
+                DecodingResult::U64(from) => place.copy(&from, to, |v| v as f32),
+                DecodingResult::I64(from) => place.copy(&from, to, |v| v as f32),
+                DecodingResult::F16(from) => place.copy(&from, to, f32::from),
+                DecodingResult::F32(from) => place.copy(&from, to, |v| v),
+                DecodingResult::F64(from) => place.copy(&from, to, |v| v as f32),
+                DecodingResult::U8(_) | DecodingResult::U16(_) => false,
+            },
+            _ => false,
+        }
+    }
+
+    fn row(&self, y: u32) -> Row<'_> {
+        let range = y as usize * self.row_length..(y as usize + 1) * self.row_length;
+        match &self.samples {
+            Samples::U8(v) => Row::U8(&v[range]),
+            Samples::U16(v) => Row::U16(&v[range]),
+            Samples::F32(v) => Row::F32(&v[range]),
+        }
+    }
+}
+
+/// Where the rows of a tile go: samples, not pixels.
+struct Tile {
+    start: usize,
+    length: usize,
+    rows: usize,
+    stride: usize,
+}
+
+impl Tile {
+    fn copy<T: Copy, U>(&self, from: &[T], to: &mut [U], convert: impl Fn(T) -> U) -> bool {
+        if from.len() < self.length * self.rows {
+            return false;
+        }
+        for (y, row) in from.chunks_exact(self.length).take(self.rows).enumerate() {
+            let at = y * self.stride + self.start;
+            for (to, &from) in to[at..at + self.length].iter_mut().zip(row) {
+                *to = convert(from);
+            }
+        }
+        true
+    }
+}
