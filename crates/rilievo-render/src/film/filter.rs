@@ -81,7 +81,11 @@ const SIGMA: f64 = 0.5;
 
 /// Inverse of the cumulative hat on `[-1, 1]`.
 fn hat(u: f64) -> f64 {
-    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
+    if u < 0.5 {
+        (2.0 * u).sqrt() - 1.0
+    } else {
+        1.0 - (2.0 - 2.0 * u).sqrt()
+    }
 }
 
 impl fmt::Display for Filter {
@@ -101,5 +105,47 @@ impl FromStr for Filter {
     fn from_str(name: &str) -> Result<Self, UnknownFilter> {
         let found = Self::ALL.into_iter().find(|filter| filter.name() == name);
         found.ok_or_else(|| UnknownFilter(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::chi_square::{chi_square_z, independent_points};
+
+    #[test]
+    fn samples_follow_the_density() {
+        const CELLS: usize = 20;
+        const FINE: usize = 32;
+        const SAMPLES: u32 = 200_000;
+        for filter in Filter::ALL {
+            let radius = filter.radius();
+            let mut observed = vec![0.0; CELLS * CELLS];
+            for u in independent_points(SAMPLES) {
+                let place = (filter.sample(u) / radius + 1.0) * 0.5 * CELLS as f64;
+                let [x, y] = place.to_array().map(|x| (x as usize).min(CELLS - 1));
+                observed[y * CELLS + x] += 1.0;
+            }
+            let n = CELLS * FINE;
+            let step = 2.0 * radius / n as f64;
+            let mut expected = vec![0.0; CELLS * CELLS];
+            for at in 0..n * n {
+                let p = DVec2::new((at % n) as f64 + 0.5, (at / n) as f64 + 0.5) * step - radius;
+                let cell = at / n / FINE * CELLS + at % n / FINE;
+                expected[cell] += filter.pdf(p) * step * step * f64::from(SAMPLES);
+            }
+            let total = expected.iter().sum::<f64>() / f64::from(SAMPLES);
+            assert!((total - 1.0).abs() < 1e-3, "{filter}: {total}");
+            let z = chi_square_z(&observed, &expected);
+            assert!(z < 4.0, "{filter}: {z}");
+        }
+    }
+
+    #[test]
+    fn names_are_read_back() {
+        for filter in Filter::ALL {
+            assert_eq!(filter.to_string().parse(), Ok(filter));
+        }
+        assert!("sinc".parse::<Filter>().is_err());
     }
 }

@@ -1,6 +1,13 @@
 //! [`Integrator`]: what a render estimates.
 
+mod aov;
+mod distributed;
+mod pixel;
+
+pub(crate) use pixel::PixelTracer;
+
 use std::fmt;
+use std::ops::AddAssign;
 use std::str::FromStr;
 
 /// What a render estimates. Named in scene files and on the command line by its [`fmt::Display`].
@@ -32,6 +39,32 @@ impl fmt::Display for Integrator {
     }
 }
 
+/// Rays traced, by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the camera.
+    pub camera: u64,
+    /// Towards a light.
+    pub shadow: u64,
+    /// From a glossy surface or a mirror.
+    pub reflection: u64,
+}
+
+impl RayCounts {
+    /// All rays.
+    pub fn total(&self) -> u64 {
+        self.camera + self.shadow + self.reflection
+    }
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.reflection += other.reflection;
+    }
+}
+
 /// A name that no integrator has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no integrator is called \"{0}\"; there are \"distributed\" and \"aov\"")]
@@ -41,7 +74,9 @@ impl FromStr for Integrator {
     type Err = UnknownIntegrator;
 
     fn from_str(name: &str) -> Result<Self, UnknownIntegrator> {
-        let found = Self::ALL.into_iter().find(|integrator| integrator.name() == name);
+        let found = Self::ALL
+            .into_iter()
+            .find(|integrator| integrator.name() == name);
         found.ok_or_else(|| UnknownIntegrator(name.to_owned()))
     }
 }

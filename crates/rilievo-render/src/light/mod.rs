@@ -46,9 +46,7 @@ impl Light {
             return None;
         }
         match surface {
-            Surface::Quad(quad) => {
-                Some(Self::Quad(QuadLight::new(quad.corners(), index, emitted)))
-            }
+            Surface::Quad(quad) => Some(Self::Quad(QuadLight::new(quad.corners(), index, emitted))),
             Surface::Sphere(sphere) => Some(Self::Sphere(SphereLight {
                 center: sphere.center(),
                 radius: sphere.radius(),
@@ -83,4 +81,94 @@ fn clear_share(from: DVec3, to: DVec3, normal: DVec3) -> f64 {
     let across = (to - from).dot(normal).abs();
     let rounding = 32.0 * f64::EPSILON * (from.abs().max_element() + to.abs().max_element());
     1.0 - (rounding / across + 4.0 * f64::EPSILON).min(0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::chi_square::independent_points;
+
+    /// Mean of `cosine * weight` over independent samples, its standard error, and the sine-cosine
+    /// checks that every sample must pass.
+    fn irradiance(light: &Light, point: DVec3, normal: DVec3) -> (f64, f64) {
+        let n = 200_000;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for u in independent_points(n) {
+            let Some(sample) = light.sample(point, u) else {
+                continue;
+            };
+            let way = sample.position - point;
+            assert!((way.normalize() - sample.direction).length() < 1e-9);
+            assert!(sample.clear > 0.49 && sample.clear < 1.0);
+            let value = (sample.direction.dot(normal) * sample.weight.x).max(0.0);
+            sum += value;
+            squares += value * value;
+        }
+        let mean = sum / f64::from(n);
+        (
+            mean,
+            ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt(),
+        )
+    }
+
+    #[test]
+    fn parallel_rectangle() {
+        // A 2 x 3 light at height 1.5 with a corner above the point, radiance 2.
+        let corners =
+            [[0.0, 0.0], [0.0, 3.0], [2.0, 3.0], [2.0, 0.0]].map(|[x, y]| DVec3::new(x, y, 1.5));
+        let light = Light::Quad(QuadLight::new(corners, 0, Rgb::splat(2.0)));
+        let (a, b): (f64, f64) = (2.0 / 1.5, 3.0 / 1.5);
+        let half = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
+        let expected = 2.0 * 0.5 * (half(a, b) + half(b, a));
+        let (mean, error) = irradiance(&light, DVec3::ZERO, DVec3::Z);
+        assert!(
+            (mean - expected).abs() < 4.0 * error,
+            "{mean} +- {error}, not {expected}"
+        );
+        assert!(error < 0.01 * expected);
+        // From above, its back is seen.
+        assert!(
+            light
+                .sample(DVec3::splat(3.0), glam::DVec2::splat(0.5))
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn sphere_in_front() {
+        let center = DVec3::new(1.0, 2.0, 5.0);
+        for radius in [1e-4, 0.5, 4.0] {
+            let emitted = Rgb::splat(3.0);
+            let light = Light::Sphere(SphereLight {
+                center,
+                radius,
+                surface: 0,
+                emitted,
+            });
+            let normal = DVec3::new(1.0, 1.0, 3.0).normalize();
+            // The whole sphere is above the horizon while its sine is below the cosine.
+            let cosine = center.normalize().dot(normal);
+            assert!(radius / center.length() < cosine);
+            let expected =
+                std::f64::consts::PI * 3.0 * radius * radius * cosine / center.length_squared();
+            let (mean, error) = irradiance(&light, DVec3::ZERO, normal);
+            let bound = 4.0 * error + 1e-9 * expected;
+            assert!(
+                (mean - expected).abs() < bound,
+                "{mean} +- {error}, not {expected}"
+            );
+        }
+        let emitted = Rgb::ONE;
+        let light = Light::Sphere(SphereLight {
+            center,
+            radius: 1.0,
+            surface: 0,
+            emitted,
+        });
+        assert!(
+            light
+                .sample(center + 0.5, glam::DVec2::splat(0.5))
+                .is_none()
+        );
+    }
 }

@@ -22,7 +22,13 @@ impl QuadLight {
     pub(super) fn new(corners: [DVec3; 4], surface: u32, emitted: Rgb) -> Self {
         let edges = [corners[1] - corners[0], corners[3] - corners[0]];
         let normal = edges[0].cross(edges[1]).normalize_or_zero();
-        Self { corner: corners[0], edges, normal, surface, emitted }
+        Self {
+            corner: corners[0],
+            edges,
+            normal,
+            surface,
+            emitted,
+        }
     }
 
     /// Area, square scene units.
@@ -35,8 +41,8 @@ impl QuadLight {
         let way = position - point;
         let distance = way.length();
         let cosine = -way.dot(self.normal) / distance;
-        // Also refuses a distance of 0, where the cosine is NaN.
-        if !(cosine > 0.0) {
+        // The cosine is NaN where `point` and `position` are the same.
+        if cosine.is_nan() || cosine <= 0.0 {
             return None;
         }
         let pdf = square_to_quad_pdf(self.edges) * distance * distance / cosine;

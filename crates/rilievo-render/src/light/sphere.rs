@@ -21,7 +21,7 @@ impl SphereLight {
         let distance = axis.length();
         let sin = self.radius / distance;
         // From inside, only the dark back of the sphere is seen.
-        if !(sin < 1.0) {
+        if sin >= 1.0 {
             return None;
         }
         // 1 - cos of the cone's half angle, without cancellation.
@@ -34,7 +34,9 @@ impl SphereLight {
         // The nearer meeting with the sphere; at the rim the square root is held at 0.
         let along = axis.dot(direction);
         let beside = axis - along * direction;
-        let half_chord = (self.radius * self.radius - beside.length_squared()).max(0.0).sqrt();
+        let half_chord = (self.radius * self.radius - beside.length_squared())
+            .max(0.0)
+            .sqrt();
         let position = point + (along - half_chord) * direction;
         let normal = (position - self.center) / self.radius;
         Some(LightSample {

@@ -43,7 +43,9 @@ impl Sampler {
     /// The numbers of pixel (x, y) under `seed`.
     pub fn new(seed: u64, pixel: [u32; 2]) -> Self {
         let pixel = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-        Self { key: hash(hash(seed, 0), pixel) }
+        Self {
+            key: hash(hash(seed, 0), pixel),
+        }
     }
 
     /// `count` strata of a dimension; at least one.
@@ -54,7 +56,13 @@ impl Sampler {
             Dimension::Gloss { depth } => (2, u64::from(depth)),
         };
         let (nx, ny) = grid(count.max(1));
-        Strata { key: hash(hash(hash(self.key, kind), detail), count), nx, ny }
+        let key = hash(hash(hash(self.key, kind), detail), count);
+        Strata {
+            jitter: hash(key, 0),
+            permutation: Permutation::new(nx * ny, key),
+            nx,
+            ny,
+        }
     }
 }
 
@@ -71,14 +79,18 @@ impl Strand {
     /// The path's `branch` of `branches`.
     pub fn split(self, branch: u32, branches: u32) -> Self {
         let branches = u64::from(branches);
-        Self { index: self.index * branches + u64::from(branch), count: self.count * branches }
+        Self {
+            index: self.index * branches + u64::from(branch),
+            count: self.count * branches,
+        }
     }
 }
 
 /// The jittered points of one dimension of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strata {
-    key: u64,
+    jitter: u64,
+    permutation: Permutation,
     nx: u64,
     ny: u64,
 }
@@ -86,17 +98,14 @@ pub struct Strata {
 impl Strata {
     /// The point of sample `index`, in `[0, 1)^2`.
     pub fn point(&self, index: u64) -> DVec2 {
-        let cell = permute(index % (self.nx * self.ny), self.nx * self.ny, self.key);
-        let jitter = hash(self.key ^ JITTER, cell);
+        let cell = self.permutation.image(index % (self.nx * self.ny));
+        let jitter = hash(self.jitter, cell);
         let x = (cell % self.nx) as f64 + unit(jitter >> 32);
         let y = (cell / self.nx) as f64 + unit(jitter & 0xffff_ffff);
         let p = DVec2::new(x / self.nx as f64, y / self.ny as f64);
         p.min(DVec2::splat(1.0 - f64::EPSILON / 2.0))
     }
 }
-
-/// Keeps jitter apart from the permutation of the same key.
-const JITTER: u64 = 0x9e6c_63d0_876a_68ee;
 
 /// A 32-bit integer as a number in `[0, 1)`.
 fn unit(bits: u64) -> f64 {
@@ -109,7 +118,7 @@ fn grid(count: u64) -> (u64, u64) {
     let root = (count as f64).sqrt();
     // Factors up to a ratio of 2: every power of two has such.
     let (most, least) = (root.floor() as u64, (root * 0.7).ceil().max(1.0) as u64);
-    match (least..=most).rev().find(|d| count % d == 0) {
+    match (least..=most).rev().find(|&d| count.is_multiple_of(d)) {
         Some(d) => (count / d, d),
         None => {
             let nx = root.ceil() as u64;
@@ -120,7 +129,10 @@ fn grid(count: u64) -> (u64, u64) {
 
 /// A 64-bit hash of a key and a value: the SplitMix64 finaliser over their mix [Steele2014].
 fn hash(key: u64, value: u64) -> u64 {
-    let mut z = key ^ value.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x6a09_e667_f3bc_c909);
+    let mut z = key
+        ^ value
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(0x6a09_e667_f3bc_c909);
     for _ in 0..2 {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -129,24 +141,164 @@ fn hash(key: u64, value: u64) -> u64 {
     z
 }
 
-/// The image of `i` under the permutation of `0..count` that `key` names.
+/// A permutation of `0..count`, hashed.
 ///
 /// Each round is a bijection of the next power of two; walking on until the image lies below
 /// `count` restricts it to a bijection of the range.
-fn permute(i: u64, count: u64, key: u64) -> u64 {
-    let mask = count.next_power_of_two() - 1;
-    let shift = (mask.count_ones() / 2).max(1);
-    let rounds = [hash(key, 1), hash(key, 2), hash(key, 3), hash(key, 4)];
-    let mut i = i;
-    loop {
-        for k in rounds {
-            i = (i ^ k) & mask;
-            i = i.wrapping_mul(k >> 32 | 1) & mask;
-            i ^= i >> shift;
-            i = i.wrapping_add(k >> 24) & mask;
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Permutation {
+    count: u64,
+    rounds: [u64; 8],
+}
+
+impl Permutation {
+    /// The permutation of `0..count` that `key` names.
+    fn new(count: u64, key: u64) -> Self {
+        Self {
+            count,
+            rounds: [1, 2, 3, 4, 5, 6, 7, 8].map(|round| hash(key, round)),
         }
-        if i < count {
-            return i;
+    }
+
+    /// The image of `i`, which must be below `count`.
+    fn image(&self, mut i: u64) -> u64 {
+        let mask = self.count.next_power_of_two() - 1;
+        let shift = (mask.count_ones() / 2).max(1);
+        loop {
+            for k in self.rounds {
+                i = (i ^ k) & mask;
+                i = i.wrapping_mul(k >> 32 | 1) & mask;
+                i ^= i >> shift;
+                i = i.wrapping_add(k >> 24) & mask;
+            }
+            if i < self.count {
+                return i;
+            }
         }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod chi_square;
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::chi_square::{chi_square_z, independent_points};
+    use super::*;
+
+    #[test]
+    fn every_stratum_holds_one_point() {
+        for count in [1, 2, 4, 6, 8, 16, 32, 144, 1024] {
+            let (nx, ny) = grid(count);
+            assert_eq!(nx * ny, count);
+            let strata = Sampler::new(5, [8, 9]).strata(Dimension::Gloss { depth: 1 }, count);
+            let cells: HashSet<_> = (0..count)
+                .map(|i| strata.point(i) * DVec2::new(nx as f64, ny as f64))
+                .map(|p| (p.x as u64, p.y as u64))
+                .collect();
+            assert_eq!(cells.len() as u64, count);
+        }
+    }
+
+    #[test]
+    fn permutations_are_bijections() {
+        for count in (1..70).chain([1000, 4097]) {
+            let images: HashSet<_> = (0..count)
+                .map(|i| Permutation::new(count, 3).image(i))
+                .collect();
+            assert_eq!(images.len() as u64, count);
+            assert!(images.iter().all(|&i| i < count));
+        }
+    }
+
+    #[test]
+    fn pairs_of_images_are_uniform() {
+        for count in [4u64, 5, 9, 16] {
+            let n = 100_000;
+            let mut observed = vec![0.0; (count * count) as usize];
+            for key in 0..n {
+                let [a, b] = [1, count - 1].map(|i| Permutation::new(count, key).image(i));
+                observed[(a * count + b) as usize] += 1.0;
+            }
+            let pairs = (count * (count - 1)) as f64;
+            let expected: Vec<f64> = (0..count * count)
+                .map(|cell| {
+                    if cell / count == cell % count {
+                        0.0
+                    } else {
+                        n as f64 / pairs
+                    }
+                })
+                .collect();
+            let z = chi_square_z(&observed, &expected);
+            assert!(z < 4.0, "{count}: {z}");
+        }
+    }
+
+    #[test]
+    fn points_of_one_index_are_uniform_over_pixels() {
+        // Counts with and without empty cells.
+        for count in [1, 7, 13, 16] {
+            let mut observed = vec![0.0; 1024];
+            for i in 0..250_000 {
+                let p = Sampler::new(1, [i % 500, i / 500])
+                    .strata(Dimension::Pixel, count)
+                    .point(3 % count);
+                assert!(p.min_element() >= 0.0 && p.max_element() < 1.0);
+                observed[(p.y * 32.0) as usize * 32 + (p.x * 32.0) as usize] += 1.0;
+            }
+            let z = chi_square_z(&observed, &[250_000.0 / 1024.0; 1024]);
+            assert!(z < 4.0, "{count}: {z}");
+        }
+    }
+
+    #[test]
+    fn dimensions_and_pixels_are_independent() {
+        let light = Dimension::Light { depth: 0, light: 0 };
+        let other = Dimension::Light { depth: 0, light: 1 };
+        let coordinate = |pixel, dimension| Sampler::new(2, pixel).strata(dimension, 16).point(5).x;
+        let pairs: [(&str, &dyn Fn(u32, u32) -> [f64; 2]); 3] = [
+            ("dimensions", &|x, y| {
+                [coordinate([x, y], light), coordinate([x, y], other)]
+            }),
+            ("columns", &|x, y| {
+                [
+                    coordinate([2 * x, y], light),
+                    coordinate([2 * x + 1, y], light),
+                ]
+            }),
+            ("rows", &|x, y| {
+                [
+                    coordinate([x, 2 * y], light),
+                    coordinate([x, 2 * y + 1], light),
+                ]
+            }),
+        ];
+        for (name, pair) in pairs {
+            let mut observed = vec![0.0; 256];
+            for i in 0..100_000 {
+                let [a, b] = pair(i % 400, i / 400).map(|x| (x * 16.0) as usize);
+                observed[a * 16 + b] += 1.0;
+            }
+            let z = chi_square_z(&observed, &[100_000.0 / 256.0; 256]);
+            assert!(z < 4.0, "{name}: {z}");
+        }
+    }
+
+    #[test]
+    fn stratified_means_converge_faster_than_random_ones() {
+        let mean_square = |f: &dyn Fn(u32) -> f64| {
+            (0..2000).map(|i| (f(i) - 1.0 / 3.0).powi(2)).sum::<f64>() / 2000.0
+        };
+        let stratified = mean_square(&|i| {
+            let strata = Sampler::new(3, [i, 0]).strata(Dimension::Pixel, 64);
+            (0..64).map(|k| strata.point(k).x.powi(2)).sum::<f64>() / 64.0
+        });
+        // Variance of x^2 is 4/45; strata leave 1/64 of it per sample, as 8 columns do.
+        assert!(stratified < 2.0 * 4.0 / 45.0 / 64.0 / 64.0, "{stratified}");
+        let mean: DVec2 = independent_points(100_000).sum::<DVec2>() / 100_000.0;
+        assert!((mean - 0.5).abs().max_element() < 0.005);
     }
 }

@@ -29,7 +29,11 @@ pub fn square_to_disk(u: DVec2) -> DVec2 {
 
 /// Density of [`square_to_disk`], per unit area.
 pub fn square_to_disk_pdf(p: DVec2) -> f64 {
-    if p.length_squared() <= 1.0 { FRAC_1_PI } else { 0.0 }
+    if p.length_squared() <= 1.0 {
+        FRAC_1_PI
+    } else {
+        0.0
+    }
 }
 
 /// The upper hemisphere, in proportion to the cosine with +z.
@@ -54,7 +58,11 @@ pub fn square_to_cone(u: DVec2, height: f64) -> DVec3 {
 
 /// Density of [`square_to_cone`], per steradian.
 pub fn square_to_cone_pdf(direction: DVec3, height: f64) -> f64 {
-    if 1.0 - direction.z <= height { 1.0 / (TAU * height) } else { 0.0 }
+    if 1.0 - direction.z <= height {
+        1.0 / (TAU * height)
+    } else {
+        0.0
+    }
 }
 
 /// The parallelogram from `corner` along two edges, uniform.
@@ -74,7 +82,9 @@ pub fn square_to_visible_normal(u: DVec2, view: DVec3, alpha: f64) -> DVec3 {
     let r = (1.0 - z * z).max(0.0).sqrt();
     let (sin, cos) = (TAU * u.y).sin_cos();
     let half = DVec3::new(r * cos, r * sin, z) + stretched;
-    (half * DVec3::new(alpha, alpha, 1.0)).with_z(half.z.max(0.0)).normalize_or(DVec3::Z)
+    (half * DVec3::new(alpha, alpha, 1.0))
+        .with_z(half.z.max(0.0))
+        .normalize_or(DVec3::Z)
 }
 
 /// Density of [`square_to_visible_normal`], per steradian.
@@ -89,4 +99,89 @@ pub fn square_to_visible_normal_pdf(normal: DVec3, view: DVec3, alpha: f64) -> f
     // Smith masking over the view's cosine: G1(view) / view.z.
     let seen = 2.0 / (view.z + spread);
     distribution * seen * view.dot(normal).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::chi_square::{check_directions, chi_square_z, independent_points};
+
+    #[test]
+    fn disk_is_uniform() {
+        let mut observed = vec![0.0; 400];
+        for u in independent_points(200_000) {
+            let p = square_to_disk(u);
+            assert!(square_to_disk_pdf(p) > 0.0);
+            let turn = (p.y.atan2(p.x) / TAU).rem_euclid(1.0);
+            let cell = |x: f64| ((x * 20.0) as usize).min(19);
+            observed[cell(p.length_squared()) * 20 + cell(turn)] += 1.0;
+        }
+        let z = chi_square_z(&observed, &[500.0; 400]);
+        assert!(z < 4.0, "{z}");
+        assert_eq!(square_to_disk(DVec2::splat(0.5)), DVec2::ZERO);
+    }
+
+    #[test]
+    fn directions_follow_their_densities() {
+        check_directions("hemisphere", square_to_hemisphere, square_to_hemisphere_pdf);
+        // The edge of the cone lies on the edge of a cell.
+        for height in [0.3, 1.0, 1.7] {
+            check_directions(
+                "cone",
+                |u| square_to_cone(u, height),
+                |d| square_to_cone_pdf(d, height),
+            );
+        }
+    }
+
+    #[test]
+    fn visible_normals_follow_their_density() {
+        for (angle, alpha) in [
+            (0.0f64, 0.5),
+            (0.8, 0.3),
+            (1.3, 0.7),
+            (1.5, 1.0),
+            (1.57, 0.4),
+        ] {
+            let view = DVec3::new(angle.sin(), 0.0, angle.cos());
+            check_directions(
+                "visible normal",
+                |u| square_to_visible_normal(u, view, alpha),
+                |m| square_to_visible_normal_pdf(m, view, alpha),
+            );
+        }
+    }
+
+    #[test]
+    fn cone_moments() {
+        // The mean of 1 - z over a cone is half its height, however thin the cone.
+        for height in [1e-12, 1e-3, 1.0] {
+            let n = 100_000;
+            let sum: f64 = independent_points(n)
+                .map(|u| {
+                    let d = square_to_cone(u, height);
+                    assert!((d.length() - 1.0).abs() < 1e-12);
+                    d.truncate().length_squared()
+                })
+                .sum();
+            // E[sin^2] = h - h^2 / 3.
+            let expected = height - height * height / 3.0;
+            assert!((sum / f64::from(n) / expected - 1.0).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn quad_moments() {
+        let (corner, edges) = (
+            DVec3::ONE,
+            [DVec3::new(2.0, 0.0, 0.0), DVec3::new(1.0, 3.0, 0.0)],
+        );
+        let n = 100_000;
+        let sum: DVec3 = independent_points(n)
+            .map(|u| square_to_quad(u, corner, edges))
+            .sum();
+        let center = corner + 0.5 * (edges[0] + edges[1]);
+        assert!((sum / f64::from(n) - center).length() < 0.02);
+        assert_eq!(square_to_quad_pdf(edges), 1.0 / 6.0);
+    }
 }

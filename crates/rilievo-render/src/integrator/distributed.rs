@@ -1,0 +1,239 @@
+//! The paper's ray tracer: Whitted's recursion [Whitted1980] with distributed samples [Cook1984].
+//!
+//! The radiance that leaves a hit towards the viewer is
+//!
+//! `emitted + diffuse * ambient + diffuse / pi * sum over lights of E + reflective * R`
+//!
+//! with `E` the irradiance from a light, estimated by `shadow_samples` stratified points of it with
+//! their visibility, and `R` the mean radiance around the mirror direction, over the lobe of
+//! [`warp::square_to_visible_normal`] (`alpha = roughness^2`). A mirror takes one ray; a glossy
+//! first hit takes `glossy_samples`; later glossy hits take one, so that the tree of rays grows
+//! with the depth only linearly. Lights show in glossy surfaces because reflection rays meet them.
+//!
+//! Left out, as in the paper: diffuse interreflection, light from the background on diffuse
+//! surfaces, light from mirrors onto diffuse surfaces.
+//!
+//! Two normals: the geometric one decides on which side of the surface a direction lies and rays
+//! are spawned by it; the shading one weighs light and carries the lobe. A reflected direction that
+//! falls below the surface is mirrored back above it.
+
+use std::f64::consts::FRAC_1_PI;
+
+use glam::DVec3;
+use rilievo::{Hit, Ray};
+
+use super::RayCounts;
+use crate::colour::Rgb;
+use crate::light::Light;
+use crate::sampler::{Dimension, Sampler, Strand, warp};
+use crate::scene::Scene;
+
+/// A place in the tree of rays of a pixel.
+#[derive(Clone, Copy)]
+pub(super) struct Path {
+    /// Which of the pixel's paths it is.
+    pub(super) strand: Strand,
+    /// Bounces before.
+    pub(super) depth: u32,
+}
+
+/// The two normals of a hit, turned to the side the viewer is on.
+struct Facing {
+    geometric: DVec3,
+    shading: DVec3,
+}
+
+impl Facing {
+    fn of(hit: &Hit) -> Self {
+        let sign = if hit.front { 1.0 } else { -1.0 };
+        Self {
+            geometric: sign * hit.geometric_normal,
+            shading: sign * hit.shading_normal,
+        }
+    }
+}
+
+/// Traces the tree of rays of one pixel.
+pub(super) struct Distributed<'a> {
+    scene: &'a Scene,
+    sampler: Sampler,
+    rays: &'a mut RayCounts,
+}
+
+impl<'a> Distributed<'a> {
+    pub(super) fn new(scene: &'a Scene, sampler: Sampler, rays: &'a mut RayCounts) -> Self {
+        Self {
+            scene,
+            sampler,
+            rays,
+        }
+    }
+
+    /// Radiance that arrives against `ray`, given what it meets.
+    pub(super) fn radiance(&mut self, ray: &Ray, hit: Option<&Hit>, path: Path) -> Rgb {
+        let Some(hit) = hit else {
+            return self.scene.background();
+        };
+        let material = self.scene.material(hit.surface);
+        let facing = Facing::of(hit);
+        let mut radiance = if hit.front {
+            material.emitted
+        } else {
+            Rgb::ZERO
+        };
+        let diffuse = material.diffuse.at(hit.uv);
+        if diffuse != Rgb::ZERO {
+            let irradiance = self.irradiance(hit, &facing, path);
+            radiance += diffuse * (self.scene.ambient() + FRAC_1_PI * irradiance);
+        }
+        if material.reflective != Rgb::ZERO && path.depth < self.scene.settings().max_depth {
+            let view = -ray.direction.normalize();
+            let alpha = material.roughness * material.roughness;
+            radiance += material.reflective * self.reflection(hit, &facing, (view, alpha), path);
+        }
+        radiance
+    }
+
+    /// Irradiance from all lights on the viewer's side of the surface, W/m^2.
+    fn irradiance(&mut self, hit: &Hit, facing: &Facing, path: Path) -> Rgb {
+        let lights = self.scene.lights().iter().enumerate();
+        // A quad or a sphere is convex: it cannot light itself.
+        lights
+            .filter(|(_, light)| light.surface() != hit.surface)
+            .map(|(index, light)| self.irradiance_from(light, index as u32, (hit, facing), path))
+            .sum()
+    }
+
+    fn irradiance_from(
+        &mut self,
+        light: &Light,
+        index: u32,
+        (hit, facing): (&Hit, &Facing),
+        path: Path,
+    ) -> Rgb {
+        let count = self.scene.settings().shadow_samples;
+        let dimension = Dimension::Light {
+            depth: path.depth,
+            light: index,
+        };
+        let strata = self
+            .sampler
+            .strata(dimension, path.strand.split(0, count).count);
+        let mut sum = Rgb::ZERO;
+        for k in 0..count {
+            let u = strata.point(path.strand.split(k, count).index);
+            let Some(sample) = light.sample(hit.position, u) else {
+                continue;
+            };
+            let cosine = sample.direction.dot(facing.shading);
+            if cosine <= 0.0 || sample.direction.dot(facing.geometric) <= 0.0 {
+                continue;
+            }
+            self.rays.shadow += 1;
+            let way = hit.spawn(sample.position - hit.position);
+            if !self.scene.world().occluded(
+                &Ray {
+                    t_max: sample.clear,
+                    ..way
+                },
+                &mut (),
+            ) {
+                sum += cosine * sample.weight;
+            }
+        }
+        sum / f64::from(count)
+    }
+
+    /// Mean radiance over the lobe around the mirror direction, seen from direction `view`.
+    fn reflection(
+        &mut self,
+        hit: &Hit,
+        facing: &Facing,
+        (view, alpha): (DVec3, f64),
+        path: Path,
+    ) -> Rgb {
+        let settings = self.scene.settings();
+        let glossy = alpha > 0.0;
+        let count = if glossy && path.depth == 0 {
+            settings.glossy_samples
+        } else {
+            1
+        };
+        let dimension = Dimension::Gloss { depth: path.depth };
+        let strata = self
+            .sampler
+            .strata(dimension, path.strand.split(0, count).count);
+        let normal = visible_shading_normal(facing, view);
+        let (right, up) = normal.any_orthonormal_pair();
+        let local_view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal).max(0.0));
+        let mut sum = Rgb::ZERO;
+        for branch in 0..count {
+            let strand = path.strand.split(branch, count);
+            let facet = if glossy {
+                let m =
+                    warp::square_to_visible_normal(strata.point(strand.index), local_view, alpha);
+                m.x * right + m.y * up + m.z * normal
+            } else {
+                normal
+            };
+            let reflected = 2.0 * view.dot(facet) * facet - view;
+            let ray = hit.spawn(above(reflected, facing.geometric));
+            self.rays.reflection += 1;
+            let next = self.scene.world().closest(&ray, &mut ());
+            sum += self.radiance(
+                &ray,
+                next.as_ref(),
+                Path {
+                    strand,
+                    depth: path.depth + 1,
+                },
+            );
+        }
+        sum / f64::from(count)
+    }
+}
+
+/// The shading normal, tilted to a right angle with `view` if the viewer sees it from behind.
+fn visible_shading_normal(facing: &Facing, view: DVec3) -> DVec3 {
+    let cosine = facing.shading.dot(view);
+    if cosine >= 0.0 {
+        return facing.shading;
+    }
+    (facing.shading - cosine * view)
+        .try_normalize()
+        .unwrap_or(facing.geometric)
+}
+
+/// `direction`, mirrored at the plane with unit normal `normal` if it points below it.
+fn above(direction: DVec3, normal: DVec3) -> DVec3 {
+    let height = direction.dot(normal);
+    if height >= 0.0 {
+        direction
+    } else {
+        direction - 2.0 * height * normal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_reflection_points_into_the_surface() {
+        let geometric = DVec3::Z;
+        for i in 0..1000 {
+            let angle = f64::from(i) * 0.37;
+            let tilt = f64::from(i) / 1000.0 * 1.5;
+            let shading = DVec3::new(
+                tilt.sin() * angle.cos(),
+                tilt.sin() * angle.sin(),
+                tilt.cos(),
+            );
+            let view = DVec3::new(0.999, 0.0, 0.01).normalize();
+            let normal = visible_shading_normal(&Facing { geometric, shading }, view);
+            assert!(normal.dot(view) >= -1e-12);
+            let reflected = above(2.0 * view.dot(normal) * normal - view, geometric);
+            assert!(reflected.z >= 0.0 && (reflected.length() - 1.0).abs() < 1e-12);
+        }
+    }
+}
