@@ -16,8 +16,9 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
                     findings.push(Finding::error(path, Some(index + 1), message));
                 }
             }
-            // The log speaks of what was, other files of what is.
-            let paths = codes.iter().filter(|_| path != "CHANGELOG.md");
+            // The log speaks of what was, origins of other repositories.
+            let elsewhere = path == "CHANGELOG.md" || path.ends_with("ORIGIN.md");
+            let paths = codes.iter().filter(|_| !elsewhere);
             for code in paths.filter(|code| names_missing_path(tree, code)) {
                 let message = format!("`{code}` does not exist");
                 findings.push(Finding::error(path, Some(index + 1), message));
@@ -134,6 +135,7 @@ mod tests {
             ("docs/B.md", "# One, two\n```\n# Not a heading\n```\n"),
             ("README.md", ""),
             ("crates/a/src/lib.rs", ""),
+            ("docs/maps/ORIGIN.md", "From `crates/elsewhere`."),
         ]);
         check(&tree).into_iter().map(|f| f.message).collect()
     }
