@@ -1,0 +1,143 @@
+//! Methods `distance-published` and `march`: baselines that are approximate, and say so.
+//!
+//! Both look at the height map at points along the ray, in `f64`, and never at the cells between:
+//! what lies between two points is missed. They are kept as they were published, so that what an
+//! exact method mends can be seen and counted.
+
+use crate::map::{DistanceMap, HeightMap};
+use crate::probe::Probe;
+
+use super::map_ray::{ExactRay, Window};
+
+/// The paper's cap on recursion, after which a ray counts as a miss. The paper names no number.
+pub const PUBLISHED_STEPS: u32 = 256;
+
+/// The paper's epsilon, as a share of the map's height range. The paper names no number.
+pub const PUBLISHED_EPSILON: f64 = 1.0 / 1024.0;
+
+/// Fixed steps of `march` through the part of a ray inside the height range.
+pub const MARCH_STEPS: u32 = 64;
+
+/// Where an approximate method believes the ray meets the surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ApproximateHit {
+    /// Walk parameter.
+    pub s: f64,
+    /// Whether the ray came from above the raw surface.
+    pub from_above: bool,
+}
+
+/// A ray over a height map, cut to the face's window and the map's height range.
+pub(crate) struct Segment<'a> {
+    map: &'a HeightMap,
+    ray: &'a ExactRay,
+    from: f64,
+    to: f64,
+    /// Whether the ray starts on this very surface.
+    spawned: bool,
+}
+
+impl<'a> Segment<'a> {
+    /// The segment, if the ray crosses the box before `s = 1`.
+    pub fn new(map: &'a HeightMap, ray: &'a ExactRay, window: &Window, end: f64) -> Option<Self> {
+        let (low, high) = map.raw_range();
+        let lows = [window.lo[0], window.lo[1], f64::from(low)];
+        let highs = [window.hi[0], window.hi[1], f64::from(high)];
+        let (mut from, mut to) = (0.0f64, end);
+        for k in 0..3 {
+            let (o, d) = (ray.origin[k], ray.direction[k]);
+            if d == 0.0 {
+                if o < lows[k] || o > highs[k] {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((lows[k] - o) / d, (highs[k] - o) / d);
+            from = from.max(a.min(b));
+            to = to.min(a.max(b));
+        }
+        (from <= to).then_some(Self { map, ray, from, to, spawned: false })
+    }
+
+    /// The same for a ray that starts on the surface: the start itself is not to be found.
+    #[must_use]
+    pub fn spawned(self, spawned: bool) -> Self {
+        Self { spawned, ..self }
+    }
+
+    fn point(&self, s: f64) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.ray.origin[k] + s * self.ray.direction[k])
+    }
+
+    fn gap(&self, s: f64) -> f64 {
+        let [x, y, z] = self.point(s);
+        z - self.map.raw_at_lattice(x, y)
+    }
+
+    /// Parameter length of half a cell, or of the whole segment for an upright ray.
+    fn half_cell(&self) -> f64 {
+        let speed = self.ray.direction[0].abs().max(self.ray.direction[1].abs());
+        if speed > 0.0 { 0.5 / speed } else { self.to - self.from }
+    }
+
+    /// The seed paper's intersection [Book2007, section 3.4]: advance by the interpolated
+    /// distance until the point is within epsilon of the surface or has just crossed it; too many
+    /// steps or a point outside the maps is a miss.
+    ///
+    /// A spawned ray first moves half a cell, since at its own start it is within epsilon.
+    pub fn published<P: Probe>(&self, map: &DistanceMap, probe: &mut P) -> Option<ApproximateHit> {
+        let metric = map.metric();
+        let d = self.ray.direction;
+        let speed = (metric.x * d[0]).hypot(metric.y * d[1]).hypot(metric.z * d[2]);
+        let (low, high) = self.map.raw_range();
+        let epsilon = PUBLISHED_EPSILON * f64::from(high - low);
+        let mut s = if self.spawned { self.from + self.half_cell() } else { self.from };
+        let mut above = None;
+        for _ in 0..PUBLISHED_STEPS {
+            if s > self.to {
+                return None;
+            }
+            probe.step();
+            let gap = self.gap(s);
+            let was_above = above.unwrap_or(gap >= 0.0);
+            if gap.abs() <= epsilon || was_above != (gap >= 0.0) {
+                return Some(ApproximateHit { s, from_above: was_above });
+            }
+            above = Some(was_above);
+            let [x, y, z] = self.point(s);
+            let stored =
+                [stored_coordinate(self.map.x(), x), stored_coordinate(self.map.y(), y), z];
+            s += map.safe_distance(stored) / speed;
+        }
+        None
+    }
+
+    /// Fixed steps to the first sign change, then one secant, as parallax occlusion mapping does
+    /// [Policarpo2005]. Misses whatever fits between two steps.
+    pub fn march<P: Probe>(&self, probe: &mut P) -> Option<ApproximateHit> {
+        let from = if self.spawned { self.from + self.half_cell() } else { self.from };
+        let step = (self.to - from) / f64::from(MARCH_STEPS);
+        if step < 0.0 {
+            return None;
+        }
+        let mut last = (from, self.gap(from));
+        for k in 1..=MARCH_STEPS {
+            probe.step();
+            let s = from + f64::from(k) * step;
+            let gap = self.gap(s);
+            if (gap > 0.0) != (last.1 > 0.0) {
+                let s = last.0 + (s - last.0) * last.1 / (last.1 - gap);
+                return Some(ApproximateHit { s, from_above: last.1 > 0.0 });
+            }
+            last = (s, gap);
+        }
+        None
+    }
+}
+
+/// Stored-cell coordinate of an unfolded lattice coordinate.
+fn stored_coordinate(axis: &crate::map::Axis, x: f64) -> f64 {
+    let run = axis.run(x.floor() as i32);
+    let along = x - f64::from(run.start);
+    if run.flipped { f64::from(run.first) + 1.0 - along } else { f64::from(run.first) + along }
+}

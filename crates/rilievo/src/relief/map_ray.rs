@@ -1,0 +1,177 @@
+//! [`MapRay`]: a ray in the frame in which a relief is walked.
+//!
+//! **Frame.** A face maps world to *lattice space* by an affine map: x and y in unfolded cells, z
+//! in raw heights. Affine maps keep the ray parameter, so nothing depends on the face's size or
+//! depth. The walk uses a parameter `s` that runs from 0 to 1 over the part of the ray inside the
+//! face's box (a margin wider than the window and the height range), and counts cells from the
+//! cell in which that part starts: every number the leaf handles is small near the start, and
+//! rounding errors grow with the distance travelled, not with the map or the distance of the
+//! camera.
+//!
+//! **Mirroring.** Along an axis with a negative direction, cells are counted backward:
+//! `f = base - 1 - i` and `x' = base - x`. In the *forward* frame directions are never negative,
+//! cells are met in rising order of `fx` and of `fy`, and mirroring is exact.
+//!
+//! **Grid lines.** The parameter of a line is `T(line) = (line - o) * inv`, from the line's integer
+//! index by one subtraction and one multiplication. Both are monotone in floating point, hence so
+//! is T: the intervals `[T(f), T(f + 1)]` nest and tile with no tolerance (no increment is ever
+//! accumulated). `inv = 1 / max(d, 1e-30)` keeps 0 * inf out.
+//!
+//! **Precision.** Building the ray is `f64`; only the finished numbers are rounded to `f32`. The
+//! walk decides in `f32`; the answer is refined in `f64` from [`MapRay::exact`].
+
+/// A ray in the forward frame of a relief walk.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MapRay {
+    /// Start, in cells from the start cell; in `[0, 1]` unless the face is passed far outside.
+    pub o: [f32; 2],
+    /// Direction per `s`, cells; never negative.
+    pub d: [f32; 2],
+    /// `1 / max(d, 1e-30)`.
+    pub inv: [f32; 2],
+    /// Raw height at `s = 0`.
+    pub oz: f32,
+    /// Raw height per `s`.
+    pub dz: f32,
+    /// Forward cell `f` is unfolded cell `base + f`, or `base - 1 - f` if backward.
+    pub base: [i32; 2],
+    /// Axes along which cells are counted backward.
+    pub backward: [bool; 2],
+    /// The window's near and far lines, forward.
+    pub lo: [f32; 2],
+    /// See `lo`.
+    pub hi: [f32; 2],
+    /// Part of `0..1` outside which the ray is clear of the height range or past its own end; for
+    /// culling only, never shown to the leaf.
+    pub cull: [f32; 2],
+    /// The same ray before rounding.
+    pub exact: ExactRay,
+}
+
+/// A ray in lattice space, unrounded: `x, y, z = origin + s * direction`, absolute unfolded
+/// coordinates; world parameter `t = t_start + s * t_length`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExactRay {
+    pub origin: [f64; 3],
+    pub direction: [f64; 3],
+    pub t_start: f64,
+    pub t_length: f64,
+}
+
+/// The window of a face in lattice space: `u, v` in `[0, 1]`, absolute unfolded coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Window {
+    pub lo: [f64; 2],
+    pub hi: [f64; 2],
+}
+
+impl MapRay {
+    /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
+    /// `cull` is the part of `0..1` worth walking.
+    pub fn new(exact: ExactRay, window: &Window, lift: f64, cull: [f64; 2]) -> Self {
+        let mut ray = Self {
+            o: [0.0; 2],
+            d: [0.0; 2],
+            inv: [0.0; 2],
+            oz: (exact.origin[2] + lift) as f32,
+            dz: exact.direction[2] as f32,
+            base: [0; 2],
+            backward: [false; 2],
+            lo: [0.0; 2],
+            hi: [0.0; 2],
+            cull: [(cull[0] as f32).next_down().max(0.0), (cull[1] as f32).next_up().min(1.0)],
+            exact,
+        };
+        for axis in 0..2 {
+            let (origin, direction) = (exact.origin[axis], exact.direction[axis]);
+            let (lo, hi) = (window.lo[axis], window.hi[axis]);
+            if direction < 0.0 {
+                let base = origin.ceil();
+                ray.base[axis] = base as i32;
+                ray.backward[axis] = true;
+                ray.o[axis] = (base - origin) as f32;
+                ray.lo[axis] = (base - hi) as f32;
+                ray.hi[axis] = (base - lo) as f32;
+            } else {
+                let base = origin.floor();
+                ray.base[axis] = base as i32;
+                ray.o[axis] = (origin - base) as f32;
+                ray.lo[axis] = (lo - base) as f32;
+                ray.hi[axis] = (hi - base) as f32;
+            }
+            ray.d[axis] = direction.abs() as f32;
+            ray.inv[axis] = 1.0 / ray.d[axis].max(1e-30);
+        }
+        ray
+    }
+
+    /// Parameter at which the ray meets a line of an axis.
+    #[inline]
+    pub fn t(&self, axis: usize, line: f32) -> f32 {
+        (line - self.o[axis]) * self.inv[axis]
+    }
+
+    /// Parameter of the near line of forward cell `f`, the window's own line at its border.
+    #[inline]
+    pub fn t_near(&self, axis: usize, f: i32) -> f32 {
+        self.t(axis, (f as f32).max(self.lo[axis]))
+    }
+
+    /// Parameter of the far line of forward cell `f`.
+    #[inline]
+    pub fn t_far(&self, axis: usize, f: i32) -> f32 {
+        self.t(axis, ((f + 1) as f32).min(self.hi[axis]))
+    }
+
+    /// Height at `s`.
+    #[inline]
+    pub fn z(&self, s: f32) -> f32 {
+        s * self.dz + self.oz
+    }
+
+    /// First forward cell that the window touches.
+    #[inline]
+    pub fn first_cell(&self, axis: usize) -> i32 {
+        self.lo[axis].floor() as i32
+    }
+
+    /// One past the last forward cell that the window touches.
+    #[inline]
+    pub fn end_cell(&self, axis: usize) -> i32 {
+        self.hi[axis].ceil() as i32
+    }
+
+    /// The forward cell `f` of the window with `T(f) <= s < T(f + 1)`; the nearest cell of the
+    /// window if there is none.
+    pub fn cell_at(&self, axis: usize, s: f32) -> i32 {
+        let (first, last) = (self.first_cell(axis), self.end_cell(axis) - 1);
+        let guess = (self.o[axis] + s * self.d[axis]).floor() as i32;
+        let mut f = guess.clamp(first, last);
+        while f > first && self.t(axis, f as f32) > s {
+            f -= 1;
+        }
+        while f < last && self.t(axis, (f + 1) as f32) <= s {
+            f += 1;
+        }
+        f
+    }
+
+    /// The unfolded cell behind forward cell `f`.
+    #[inline]
+    pub fn unfolded(&self, axis: usize, f: i32) -> i32 {
+        if self.backward[axis] { self.base[axis] - 1 - f } else { self.base[axis] + f }
+    }
+
+    /// The unfolded lattice line behind forward line `f`.
+    #[inline]
+    pub fn unfolded_line(&self, axis: usize, f: i32) -> i32 {
+        if self.backward[axis] { self.base[axis] - f } else { self.base[axis] + f }
+    }
+
+    /// Parameters at which the ray enters and leaves the window, if it crosses it after `s = 0`.
+    pub fn window_span(&self) -> Option<(f32, f32)> {
+        let enter = self.t(0, self.lo[0]).max(self.t(1, self.lo[1])).max(0.0);
+        let leave = self.t(0, self.hi[0]).min(self.t(1, self.hi[1])).min(1.0);
+        (enter < leave).then_some((enter, leave))
+    }
+}

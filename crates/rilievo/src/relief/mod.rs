@@ -1,0 +1,122 @@
+//! Relief surfaces: a base surface, a height map, and a method that walks rays through the shell
+//! between the lowest and the highest offset.
+//!
+//! **The surface.** `S(u, v) = P(u, v) + offset(u, v) N` with
+//! `offset = scale (H(u tile + shift) - zero)` and H bilinear between samples. Exact means: a
+//! method reports the hit of the brute force over every cell, for every ray.
+//!
+//! | method | looks at | needs | exact |
+//! |---|---|---|---|
+//! | [`Method::Dda`] | every cell under the ray | nothing | yes |
+//! | [`Method::Pyramid`] | blocks whose bounds the ray meets | min-max pyramid | yes |
+//! | [`Method::Distance`] | cells where no safe step leads on | box distance map | yes |
+//! | [`Method::DistanceCorrected`] | the same | exact node distances | yes |
+//! | [`Method::DistancePublished`] | points a distance apart | texel-point distances | no |
+//! | [`Method::March`] | points a fixed step apart | nothing | no |
+//!
+//! **One arithmetic.** The path of a ray: world (`f64`) -> lattice space (`f64`, [`face`]) ->
+//! forward frame (`f32`, `map_ray`) -> tiles (`tile`, `trace`) -> a method's walk (`walk`,
+//! `cell_walk`, `distance_walk`) -> the leaf (`leaf`) -> refined root (`f64`, `refine`) -> hit. Only
+//! the walk differs between exact methods; the leaf is a function of ray and cell alone. So they
+//! agree bit for bit as soon as each shows the leaf every cell in which it would report a root, in
+//! order: the proofs stand at the heads of the walks.
+
+mod approximate;
+mod cell_walk;
+mod distance_walk;
+mod face;
+mod leaf;
+mod map_ray;
+mod method;
+mod refine;
+mod shading;
+mod tile;
+mod trace;
+mod walk;
+
+use crate::map::{DistanceKind, DistanceMap, HeightMap, Pyramid};
+
+pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
+pub use face::{Displacement, FaceError, FaceOptions, ReliefFace};
+pub use method::{Method, UnknownMethod};
+pub use shading::ShadingNormals;
+
+/// A height map with what was derived from it; one relief serves any number of faces.
+#[derive(Clone, Debug)]
+pub struct Relief {
+    heights: HeightMap,
+    pyramid: Pyramid,
+    /// At most one of each kind.
+    distances: Vec<DistanceMap>,
+}
+
+/// Why a derived map was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReliefError {
+    /// The distance map was made from a height map of another shape.
+    #[error("the distance map is for {found:?} cells, the height map has {expected:?}")]
+    WrongCells {
+        /// Stored cells the distance map was made for.
+        found: [u32; 2],
+        /// Stored cells of the height map.
+        expected: [u32; 2],
+    },
+    /// The distance map was made for another range of heights.
+    #[error("the distance map is for heights {found:?}, the height map has {expected:?}")]
+    WrongRange {
+        /// Raw range the distance map was made for.
+        found: (f32, f32),
+        /// Raw range of the height map.
+        expected: (f32, f32),
+    },
+}
+
+impl Relief {
+    /// Builds the pyramid of a height map.
+    pub fn new(heights: HeightMap) -> Self {
+        let pyramid = Pyramid::build(&heights);
+        Self { heights, pyramid, distances: Vec::new() }
+    }
+
+    /// Adds a distance map, in place of any other of its kind.
+    ///
+    /// # Errors
+    /// [`ReliefError`] if the map was made for other cells or another range of heights.
+    pub fn with_distance(mut self, map: DistanceMap) -> Result<Self, ReliefError> {
+        let expected = self.pyramid.cells();
+        if map.cells() != expected {
+            return Err(ReliefError::WrongCells { found: map.cells(), expected });
+        }
+        let expected = self.heights.raw_range();
+        if map.raw_range() != expected {
+            return Err(ReliefError::WrongRange { found: map.raw_range(), expected });
+        }
+        self.distances.retain(|m| m.kind() != map.kind());
+        self.distances.push(map);
+        Ok(self)
+    }
+
+    /// The height map.
+    #[inline]
+    pub fn heights(&self) -> &HeightMap {
+        &self.heights
+    }
+
+    /// The min-max pyramid.
+    #[inline]
+    pub fn pyramid(&self) -> &Pyramid {
+        &self.pyramid
+    }
+
+    /// The distance map of a kind, if it was added.
+    #[inline]
+    pub fn distance(&self, kind: DistanceKind) -> Option<&DistanceMap> {
+        self.distances.iter().find(|m| m.kind() == kind)
+    }
+
+    /// Bytes held by the heights and by what was derived from them.
+    pub fn bytes(&self) -> (u64, u64) {
+        let distances: u64 = self.distances.iter().map(DistanceMap::bytes).sum();
+        (self.heights.bytes(), self.pyramid.bytes() + distances)
+    }
+}

@@ -1,0 +1,133 @@
+//! [`Tile`]: the part of a face over which unfolded cells show stored cells by a shift or a flip.
+//!
+//! A map unfolds into runs along each axis (see `map::lattice`); a tile is a run along x times a
+//! run along y, cut to the face's window. A walk goes from tile to tile along the ray and inside
+//! each tile sees only stored cells, so that repeating, mirroring and clamping cost nothing per
+//! cell. All lines are integers, so the tiles' intervals tile the ray as the cells' do.
+//!
+//! Between two tiles the surface may jump: a vertex lattice that repeats, and a face's border when
+//! it is closed. There an upright wall joins the two heights. With the gaps the leaf computes at
+//! the common line, the test is a comparison of two signs: the ray hits the wall if it is above the
+//! one side and below the other. The same numbers decide in the leaf, so no ray slips through
+//! between a wall and the surface it ends on.
+
+use crate::map::HeightMap;
+
+use super::leaf::{Gap, Span};
+use super::map_ray::MapRay;
+
+/// One axis of a tile: forward cells and the stored cells they show.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileAxis {
+    /// First forward cell, not before the window's first.
+    pub from: i32,
+    /// One past the last forward cell, not past the window's last.
+    pub to: i32,
+    /// Stored cell of forward cell 0.
+    offset: i32,
+    /// Whether stored cells go down as forward cells go up.
+    pub down: bool,
+}
+
+impl TileAxis {
+    fn new(map: &HeightMap, ray: &MapRay, axis: usize, f: i32) -> Self {
+        let i = ray.unfolded(axis, f);
+        let run = if axis == 0 { map.x().run(i) } else { map.y().run(i) };
+        let base = ray.base[axis];
+        let (from, to) = if ray.backward[axis] {
+            (base - run.end(), base - run.start)
+        } else {
+            (run.start - base, run.end() - base)
+        };
+        let down = ray.backward[axis] != run.flipped;
+        let shown = run.stored(i);
+        Self {
+            from: from.max(ray.first_cell(axis)),
+            to: to.min(ray.end_cell(axis)),
+            offset: if down { shown + f } else { shown - f },
+            down,
+        }
+    }
+
+    /// The stored cell that forward cell `f` shows.
+    #[inline]
+    pub fn stored(&self, f: i32) -> i32 {
+        if self.down { self.offset - f } else { self.offset + f }
+    }
+
+    /// The forward cell at which the stored cells `first .. first + len` begin.
+    #[inline]
+    pub fn forward_start(&self, first: i32, len: i32) -> i32 {
+        if self.down { self.offset - (first + len - 1) } else { first - self.offset }
+    }
+}
+
+/// A tile as one ray sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tile {
+    pub axes: [TileAxis; 2],
+    /// Parameters at which the ray enters and leaves, not before 0 nor after 1.
+    pub enter: f32,
+    pub leave: f32,
+}
+
+impl Tile {
+    /// The tile that holds forward cell (fx, fy).
+    pub fn new(map: &HeightMap, ray: &MapRay, cell: [i32; 2]) -> Self {
+        let axes = [0, 1].map(|axis| TileAxis::new(map, ray, axis, cell[axis]));
+        let near = |axis: usize| ray.t_near(axis, axes[axis].from);
+        let far = |axis: usize| ray.t_far(axis, axes[axis].to - 1);
+        Self { axes, enter: near(0).max(near(1)).max(0.0), leave: far(0).min(far(1)).min(1.0) }
+    }
+
+    /// Corner heights of a forward cell in forward order `[h00, h10, h01, h11]`.
+    #[inline]
+    pub fn corners(&self, map: &HeightMap, cell: [i32; 2]) -> [f32; 4] {
+        let c = [0, 1].map(|axis| self.axes[axis].stored(cell[axis]) as u32);
+        let [a, b, c, d] = map.stored_corners(c[0], c[1]);
+        match (self.axes[0].down, self.axes[1].down) {
+            (false, false) => [a, b, c, d],
+            (true, false) => [b, a, d, c],
+            (false, true) => [c, d, a, b],
+            (true, true) => [d, c, b, a],
+        }
+    }
+
+    /// The forward cell of this tile in which the ray is at `s`.
+    pub fn cell_at(&self, ray: &MapRay, s: f32) -> [i32; 2] {
+        [0, 1].map(|axis| ray.cell_at(axis, s).clamp(self.axes[axis].from, self.axes[axis].to - 1))
+    }
+
+    /// The last forward cell the ray crosses before it leaves the tile at `leave`.
+    fn last_cell(&self, ray: &MapRay) -> [i32; 2] {
+        [0, 1].map(|axis| {
+            let TileAxis { from, to, .. } = self.axes[axis];
+            let mut f = ray.cell_at(axis, self.leave).clamp(from, to - 1);
+            // On its own line the ray is still in the cell before it.
+            while f > from && ray.t_near(axis, f) >= self.leave {
+                f -= 1;
+            }
+            f
+        })
+    }
+
+    /// Gap above the surface where the ray enters, as the leaf of the first cell computes it.
+    pub fn gap_at_enter(&self, map: &HeightMap, ray: &MapRay) -> Option<f32> {
+        let cell = self.cell_at(ray, self.enter);
+        let span = Span::new(ray, cell[0], cell[1])?;
+        Some(Gap::new(ray, &span, &self.corners(map, cell)).b0)
+    }
+
+    /// Gap above the surface where the ray leaves, as the leaf of the last cell computes it.
+    pub fn gap_at_leave(&self, map: &HeightMap, ray: &MapRay) -> Option<f32> {
+        let cell = self.last_cell(ray);
+        let span = Span::new(ray, cell[0], cell[1])?;
+        Some(Gap::new(ray, &span, &self.corners(map, cell)).b2)
+    }
+
+    /// Whether the ray leaves across the far line of an axis.
+    #[inline]
+    pub fn leaves_across(&self, ray: &MapRay, axis: usize) -> bool {
+        ray.t_far(axis, self.axes[axis].to - 1) <= self.leave
+    }
+}

@@ -1,0 +1,273 @@
+//! The walk over the tiles of a face: what all methods share around their own walk.
+
+use crate::map::{DistanceKind, HeightMap};
+use crate::probe::Probe;
+use crate::ray::Wall;
+
+use super::approximate::{ApproximateHit, Segment};
+use super::cell_walk::walk_cells;
+use super::distance_walk::walk_distance;
+use super::face::ReliefFace;
+use super::leaf::LeafHit;
+use super::map_ray::MapRay;
+use super::method::Method;
+use super::refine::refine;
+use super::tile::Tile;
+use super::walk::walk_pyramid;
+
+/// A crossing of a face, in lattice space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// World parameter.
+    pub t: f64,
+    /// Unfolded lattice coordinates.
+    pub lattice: [f64; 2],
+    /// Raw height of the point.
+    pub raw: f64,
+    /// Whether the ray came from the front.
+    pub front: bool,
+    pub place: Place,
+}
+
+/// What was crossed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// An unfolded cell, and where in it.
+    Cell { cell: [i32; 2], local: [f64; 2] },
+    /// An upright wall.
+    Wall(Wall),
+}
+
+/// What an exact walk meets, still in the walk's frame.
+enum Met {
+    Surface(LeafHit),
+    /// A wall at parameter `s`, crossed from above the raw surface or from below.
+    Wall {
+        wall: Wall,
+        s: f32,
+        from_above: bool,
+    },
+}
+
+/// The first crossing of a face along a ray.
+pub(crate) fn first_crossing<P: Probe>(
+    face: &ReliefFace,
+    ray: &MapRay,
+    spawned: bool,
+    probe: &mut P,
+) -> Option<Crossing> {
+    let heights = face.relief.heights();
+    if !face.options.method.is_exact() {
+        let hit = first_approximate(face, ray, spawned, probe)?;
+        return Some(approximate_crossing(face, ray, hit));
+    }
+    let (met, rising) = (first_met(face, ray, probe)?, face.options.displacement.scale > 0.0);
+    let exact = &ray.exact;
+    Some(match met {
+        Met::Surface(LeafHit { s, cell, from_above }) => {
+            let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
+            let corners = heights.unfolded_corners(cell[0], cell[1]);
+            let root = refine(exact, cell, corners, f64::from(s));
+            let [x, y] = root.local;
+            let h = corners.map(f64::from);
+            let low = h[0] + (h[1] - h[0]) * x;
+            let high = h[2] + (h[3] - h[2]) * x;
+            Crossing {
+                t: exact.t_start + root.s * exact.t_length,
+                lattice: [f64::from(cell[0]) + x, f64::from(cell[1]) + y],
+                raw: low + (high - low) * y,
+                front: from_above == rising,
+                place: Place::Cell { cell, local: root.local },
+            }
+        }
+        Met::Wall { wall, s, from_above } => {
+            let (axis, line) = wall_line(face, wall);
+            let towards = line - exact.origin[axis];
+            let refined = towards / exact.direction[axis];
+            let s = if refined.is_finite() { refined.max(0.0) } else { f64::from(s) };
+            let at = |k: usize| exact.origin[k] + s * exact.direction[k];
+            let mut lattice = [at(0), at(1)];
+            lattice[axis] = line;
+            Crossing {
+                t: exact.t_start + s * exact.t_length,
+                lattice,
+                raw: at(2),
+                front: from_above == rising,
+                place: Place::Wall(wall),
+            }
+        }
+    })
+}
+
+/// Axis and lattice coordinate of a wall's line.
+fn wall_line(face: &ReliefFace, wall: Wall) -> (usize, f64) {
+    let window = &face.window;
+    match wall {
+        Wall::LowU => (0, window.lo[0]),
+        Wall::HighU => (0, window.hi[0]),
+        Wall::LowV => (1, window.lo[1]),
+        Wall::HighV => (1, window.hi[1]),
+        Wall::SeamU(line) => (0, f64::from(line)),
+        Wall::SeamV(line) => (1, f64::from(line)),
+    }
+}
+
+/// Walks the tiles front to back; inside each the face's method finds the first crossing.
+fn first_met<P: Probe>(face: &ReliefFace, ray: &MapRay, probe: &mut P) -> Option<Met> {
+    let heights = face.relief.heights();
+    let (enter, leave) = ray.window_span()?;
+    if face.options.closed
+        && enter > 0.0
+        && let Some(wall) = entry_wall(face, ray, enter)
+    {
+        return Some(wall);
+    }
+    let start = enter.max(ray.cull[0]);
+    let stop = leave.min(ray.cull[1]);
+    if start < stop {
+        let mut cell = [ray.cell_at(0, start), ray.cell_at(1, start)];
+        loop {
+            let tile = Tile::new(heights, ray, cell);
+            let part = [start.max(tile.enter), stop.min(tile.leave)];
+            if let Some(hit) = walk_tile(face, ray, &tile, part, probe) {
+                return Some(Met::Surface(hit));
+            }
+            if tile.leave >= stop {
+                break;
+            }
+            let crossed = [0, 1].map(|axis| tile.leaves_across(ray, axis));
+            for axis in 0..2 {
+                let at = &tile.axes[axis];
+                cell[axis] = if crossed[axis] {
+                    at.to
+                } else {
+                    ray.cell_at(axis, tile.leave).clamp(at.from, at.to - 1)
+                };
+            }
+            if (0..2).any(|axis| cell[axis] >= ray.end_cell(axis)) {
+                break;
+            }
+            if face.has_seams()
+                && let Some(wall) = seam_wall(face, ray, &tile, (cell, crossed))
+            {
+                return Some(wall);
+            }
+        }
+    }
+    if face.options.closed && leave < 1.0 { exit_wall(face, ray, leave) } else { None }
+}
+
+/// The face's method on one tile.
+fn walk_tile<P: Probe>(
+    face: &ReliefFace,
+    ray: &MapRay,
+    tile: &Tile,
+    part: [f32; 2],
+    probe: &mut P,
+) -> Option<LeafHit> {
+    let relief = &face.relief;
+    let (heights, admit) = (relief.heights(), face.admitted());
+    let with = |kind: DistanceKind| relief.distance(kind);
+    let distances = match face.options.method {
+        Method::Distance => with(DistanceKind::Boxes),
+        Method::DistanceCorrected => with(DistanceKind::Corrected),
+        _ => None,
+    };
+    match (face.options.method, distances) {
+        (Method::Dda, _) => walk_cells(heights, ray, tile, part, (admit, probe)),
+        (_, Some(map)) => walk_distance((heights, map), ray, tile, part, (admit, probe)),
+        _ => walk_pyramid((heights, relief.pyramid()), ray, tile, admit, probe),
+    }
+}
+
+/// The wall between what lies before a line and what lies behind it, if the ray meets it there.
+fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &ReliefFace) -> Option<Met> {
+    let from_above = before >= 0.0;
+    let crosses = from_above != (behind >= 0.0);
+    (crosses && face.admitted().admits(from_above)).then_some(Met::Wall { wall, s, from_above })
+}
+
+/// Gap above offset 0, which the border's walls go down to.
+fn gap_to_base(face: &ReliefFace, ray: &MapRay, s: f32) -> f32 {
+    ray.z(s) - face.raw_zero as f32
+}
+
+fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
+    let heights = face.relief.heights();
+    let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
+    let behind = tile.gap_at_enter(heights, ray)?;
+    let axis = usize::from(ray.t(0, ray.lo[0]) < ray.t(1, ray.lo[1]));
+    let wall = border(axis, !ray.backward[axis]);
+    wall_between(wall, s, gap_to_base(face, ray, s), behind, face)
+}
+
+fn exit_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
+    let heights = face.relief.heights();
+    let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
+    let before = tile.gap_at_leave(heights, ray)?;
+    let axis = usize::from(ray.t(0, ray.hi[0]) > ray.t(1, ray.hi[1]));
+    let wall = border(axis, ray.backward[axis]);
+    wall_between(wall, s, before, gap_to_base(face, ray, s), face)
+}
+
+/// The border wall of an axis at its low or high end.
+fn border(axis: usize, low: bool) -> Wall {
+    match (axis, low) {
+        (0, true) => Wall::LowU,
+        (0, false) => Wall::HighU,
+        (_, true) => Wall::LowV,
+        (_, false) => Wall::HighV,
+    }
+}
+
+/// The wall between a tile and the one that begins at `cell`, across the lines `crossed`.
+fn seam_wall(
+    face: &ReliefFace,
+    ray: &MapRay,
+    tile: &Tile,
+    (cell, crossed): ([i32; 2], [bool; 2]),
+) -> Option<Met> {
+    let heights: &HeightMap = face.relief.heights();
+    let before = tile.gap_at_leave(heights, ray)?;
+    let behind = Tile::new(heights, ray, cell).gap_at_enter(heights, ray)?;
+    let axis = usize::from(!crossed[0]);
+    let line = ray.unfolded_line(axis, cell[axis]);
+    let wall = if axis == 0 { Wall::SeamU(line) } else { Wall::SeamV(line) };
+    wall_between(wall, tile.leave, before, behind, face)
+}
+
+/// The two approximate methods.
+fn first_approximate<P: Probe>(
+    face: &ReliefFace,
+    ray: &MapRay,
+    spawned: bool,
+    probe: &mut P,
+) -> Option<ApproximateHit> {
+    let segment =
+        Segment::new(face.relief.heights(), &ray.exact, &face.window, f64::from(ray.cull[1]))?;
+    let segment = segment.spawned(spawned);
+    let hit = match face.relief.distance(DistanceKind::Published) {
+        Some(map) if face.options.method == Method::DistancePublished => {
+            segment.published(map, probe)
+        }
+        _ => segment.march(probe),
+    }?;
+    face.admitted().admits(hit.from_above).then_some(hit)
+}
+
+fn approximate_crossing(face: &ReliefFace, ray: &MapRay, hit: ApproximateHit) -> Crossing {
+    let exact = &ray.exact;
+    let at = |k: usize| exact.origin[k] + hit.s * exact.direction[k];
+    let (x, y) = (at(0), at(1));
+    let cell = [x.floor(), y.floor()];
+    Crossing {
+        t: exact.t_start + hit.s * exact.t_length,
+        lattice: [x, y],
+        raw: at(2),
+        front: hit.from_above == (face.options.displacement.scale > 0.0),
+        place: Place::Cell {
+            cell: [cell[0] as i32, cell[1] as i32],
+            local: [x - cell[0], y - cell[1]],
+        },
+    }
+}
