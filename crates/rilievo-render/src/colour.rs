@@ -9,11 +9,7 @@ pub type Rgb = DVec3;
 /// The sRGB code value, in `[0, 1]`, of a linear value; values outside `[0, 1]` are clamped and
 /// NaN becomes 0.
 pub fn srgb_from_linear(linear: f64) -> f64 {
-    let x = if linear.is_nan() {
-        0.0
-    } else {
-        linear.clamp(0.0, 1.0)
-    };
+    let x = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
     if x <= 0.003_130_8 {
         12.92 * x
     } else {
@@ -24,11 +20,7 @@ pub fn srgb_from_linear(linear: f64) -> f64 {
 
 /// The linear value of an sRGB code value in `[0, 1]`.
 pub fn linear_from_srgb(code: f64) -> f64 {
-    if code <= 0.040_45 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    }
+    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Whether every channel is finite and at least 0.
@@ -44,10 +36,7 @@ mod tests {
     fn curves_are_inverse_and_meet_the_standard() {
         for code in 0..=255 {
             let x = f64::from(code) / 255.0;
-            assert!(
-                (srgb_from_linear(linear_from_srgb(x)) - x).abs() < 1e-6,
-                "{code}"
-            );
+            assert!((srgb_from_linear(linear_from_srgb(x)) - x).abs() < 1e-6, "{code}");
         }
         assert!((linear_from_srgb(0.5) - 0.214_041).abs() < 1e-6);
         assert_eq!(srgb_from_linear(f64::NAN), 0.0);

@@ -82,10 +82,7 @@ pub fn render(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
-        .map_err(|e| RenderError::Threads {
-            threads: options.threads,
-            reason: e.to_string(),
-        })?;
+        .map_err(|e| RenderError::Threads { threads: options.threads, reason: e.to_string() })?;
     let resolution = scene.camera().resolution();
     let shared = Shared {
         film: Mutex::new(Film::new(resolution, options.aovs)?),
@@ -96,20 +93,14 @@ pub fn render(
     let columns = resolution[0].div_ceil(TILE);
     let tiles = columns * resolution[1].div_ceil(TILE);
     pool.install(|| {
-        (0..tiles)
-            .into_par_iter()
-            .with_max_len(1)
-            .try_for_each(|index| {
-                let corner = [index % columns * TILE, index / columns * TILE];
-                let size = [0, 1].map(|axis| TILE.min(resolution[axis] - corner[axis]));
-                render_tile(scene, options, Tile { corner, size }, &shared)
-            })
+        (0..tiles).into_par_iter().with_max_len(1).try_for_each(|index| {
+            let corner = [index % columns * TILE, index / columns * TILE];
+            let size = [0, 1].map(|axis| TILE.min(resolution[axis] - corner[axis]));
+            render_tile(scene, options, Tile { corner, size }, &shared)
+        })
     })?;
     let film = into_inner(shared.film);
-    let stats = RenderStats {
-        rays: into_inner(shared.rays),
-        complete: film.is_complete(),
-    };
+    let stats = RenderStats { rays: into_inner(shared.rays), complete: film.is_complete() };
     Ok((film, stats))
 }
 
@@ -149,13 +140,9 @@ fn render_tile(
 
 /// A poisoned lock still guards a film of whole tiles.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
 fn into_inner<T>(mutex: Mutex<T>) -> T {
-    mutex
-        .into_inner()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
+    mutex.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

@@ -85,11 +85,7 @@ impl ColourImage {
             return Err(TextureError::BadSize { width, height });
         }
         if texels.len() as u64 != u64::from(width) * u64::from(height) {
-            return Err(TextureError::WrongCount {
-                width,
-                height,
-                found: texels.len(),
-            });
+            return Err(TextureError::WrongCount { width, height, found: texels.len() });
         }
         let mut linear_of_code = Vec::new();
         match &texels {
@@ -98,11 +94,7 @@ impl ColourImage {
                 if let Some(at) = v.iter().position(|texel| texel.iter().any(bad)) {
                     let (i, j) = (at % width as usize, at / width as usize);
                     let value = v[at].into_iter().find(bad).unwrap_or(f32::NAN);
-                    return Err(TextureError::BadValue {
-                        i: i as u32,
-                        j: j as u32,
-                        value,
-                    });
+                    return Err(TextureError::BadValue { i: i as u32, j: j as u32, value });
                 }
             }
             Texels::Srgb8(_) => {
@@ -112,12 +104,7 @@ impl ColourImage {
             }
             Texels::Srgb16(_) => {}
         }
-        Ok(Self {
-            width,
-            height,
-            texels,
-            linear_of_code,
-        })
+        Ok(Self { width, height, texels, linear_of_code })
     }
 
     /// Texels along u.
@@ -145,10 +132,7 @@ impl ColourImage {
     /// # Panics
     /// If `i` or `j` is out of range.
     pub fn texel(&self, i: u32, j: u32) -> Rgb {
-        assert!(
-            i < self.width && j < self.height,
-            "texel ({i}, {j}) is outside the image"
-        );
+        assert!(i < self.width && j < self.height, "texel ({i}, {j}) is outside the image");
         let at = j as usize * self.width as usize + i as usize;
         let rgb = match &self.texels {
             Texels::Srgb8(v) => v[at].map(|c| f64::from(self.linear_of_code[usize::from(c)])),
@@ -195,11 +179,7 @@ pub struct Texture {
 impl Texture {
     /// The image laid over `[0, 1]^2` once.
     pub fn new(image: Arc<ColourImage>) -> Self {
-        Self {
-            image,
-            tile: DVec2::ONE,
-            shift: DVec2::ZERO,
-        }
+        Self { image, tile: DVec2::ONE, shift: DVec2::ZERO }
     }
 
     /// The linear colour at `uv`.
@@ -213,12 +193,7 @@ mod tests {
     use super::*;
 
     fn corners() -> ColourImage {
-        let texels = vec![
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [1.0, 1.0, 1.0],
-        ];
+        let texels = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
         ColourImage::new(2, 2, Texels::Linear(texels)).unwrap()
     }
 
@@ -239,12 +214,7 @@ mod tests {
             tile: DVec2::splat(2.0),
             shift: DVec2::new(-1.0, 3.0),
         };
-        for uv in [
-            DVec2::new(0.1, 0.2),
-            DVec2::new(0.9, 0.4),
-            DVec2::ZERO,
-            DVec2::ONE,
-        ] {
+        for uv in [DVec2::new(0.1, 0.2), DVec2::new(0.9, 0.4), DVec2::ZERO, DVec2::ONE] {
             let plain = texture.image.lookup(uv * 2.0);
             assert!((texture.lookup(uv) - plain).abs().max_element() < 1e-12);
         }
@@ -263,14 +233,7 @@ mod tests {
     #[test]
     fn bad_images_are_refused() {
         let short = ColourImage::new(2, 2, Texels::Srgb8(vec![[0; 3]; 3]));
-        assert_eq!(
-            short,
-            Err(TextureError::WrongCount {
-                width: 2,
-                height: 2,
-                found: 3
-            })
-        );
+        assert_eq!(short, Err(TextureError::WrongCount { width: 2, height: 2, found: 3 }));
         let none = ColourImage::new(0, 1, Texels::Srgb8(Vec::new()));
         assert!(matches!(none, Err(TextureError::BadSize { .. })));
         let nan = Texels::Linear(vec![[0.0; 3], [0.0, f32::NAN, 0.0]]);

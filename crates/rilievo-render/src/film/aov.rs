@@ -29,16 +29,8 @@ pub enum Aov {
 
 impl Aov {
     /// All layers.
-    pub const ALL: [Self; 8] = [
-        Self::P,
-        Self::N,
-        Self::Ns,
-        Self::Uv,
-        Self::Height,
-        Self::Steps,
-        Self::Z,
-        Self::Albedo,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::P, Self::N, Self::Ns, Self::Uv, Self::Height, Self::Steps, Self::Z, Self::Albedo];
 
     /// The name on the command line: `P`, `N`, `Ns`, `UV`, `Height`, `Steps`, `Z` or `Albedo`.
     pub fn name(self) -> &'static str {
@@ -106,11 +98,7 @@ mod tests {
     fn names_are_read_back_and_head_their_channels() {
         for aov in Aov::ALL {
             assert_eq!(aov.name().parse(), Ok(aov));
-            assert!(
-                aov.channels()
-                    .iter()
-                    .all(|channel| channel.starts_with(aov.name()))
-            );
+            assert!(aov.channels().iter().all(|channel| channel.starts_with(aov.name())));
         }
         assert!("Depth".parse::<Aov>().is_err());
     }

@@ -81,11 +81,7 @@ const SIGMA: f64 = 0.5;
 
 /// Inverse of the cumulative hat on `[-1, 1]`.
 fn hat(u: f64) -> f64 {
-    if u < 0.5 {
-        (2.0 * u).sqrt() - 1.0
-    } else {
-        1.0 - (2.0 - 2.0 * u).sqrt()
-    }
+    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
 impl fmt::Display for Filter {

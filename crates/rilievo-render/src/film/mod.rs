@@ -75,24 +75,13 @@ impl Film {
         for &aov in aovs {
             if layers.iter().all(|layer| layer.aov != aov) {
                 let channels = aov.channels().len();
-                let values = filled(
-                    aov.without_hit(),
-                    pixels.checked_mul(channels).ok_or(error)?,
-                );
-                layers.push(Layer {
-                    aov,
-                    values: values.ok_or(error)?,
-                });
+                let values = filled(aov.without_hit(), pixels.checked_mul(channels).ok_or(error)?);
+                layers.push(Layer { aov, values: values.ok_or(error)? });
             }
         }
         let radiance = filled([0.0; 3], pixels).ok_or(error)?;
         let finished = filled(false, pixels).ok_or(error)?;
-        Ok(Self {
-            resolution,
-            radiance,
-            layers,
-            finished,
-        })
+        Ok(Self { resolution, radiance, layers, finished })
     }
 
     /// Bytes a film of this shape holds.
@@ -158,11 +147,7 @@ impl Film {
     /// The colour and, layer by layer, the channels of one pixel.
     pub(crate) fn pixel_mut(&mut self, x: u32, y: u32) -> PixelMut<'_> {
         let at = y as usize * self.resolution[0] as usize + x as usize;
-        PixelMut {
-            radiance: &mut self.radiance[at],
-            layers: &mut self.layers,
-            at,
-        }
+        PixelMut { radiance: &mut self.radiance[at], layers: &mut self.layers, at }
     }
 }
 

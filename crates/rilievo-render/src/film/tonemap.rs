@@ -57,22 +57,14 @@ mod tests {
         let plain = ToneMap::default();
         assert_eq!(plain.rgb8([0.0, 1.0, 0.215_861]), [0, 255, 128]);
         assert_eq!(plain.rgb8([f32::NAN, f32::INFINITY, -1.0]), [0, 255, 0]);
-        let darker = ToneMap {
-            exposure: -1.0,
-            ..plain
-        };
+        let darker = ToneMap { exposure: -1.0, ..plain };
         assert_eq!(darker.rgb8([2.0, 0.431_722, 0.0]), [255, 128, 0]);
     }
 
     #[test]
     fn filmic_rises_and_ends_at_white() {
-        let filmic = ToneMap {
-            exposure: 0.0,
-            curve: ToneCurve::Filmic,
-        };
-        let codes: Vec<u8> = (0..200)
-            .map(|i| filmic.rgb8([i as f32 * 0.1; 3])[0])
-            .collect();
+        let filmic = ToneMap { exposure: 0.0, curve: ToneCurve::Filmic };
+        let codes: Vec<u8> = (0..200).map(|i| filmic.rgb8([i as f32 * 0.1; 3])[0]).collect();
         assert!(codes.windows(2).all(|pair| pair[0] <= pair[1]));
         assert_eq!((codes[0], codes[199]), (0, 255));
         assert_eq!(filmic.rgb8([f32::NAN, f32::INFINITY, -1.0]), [0, 255, 0]);

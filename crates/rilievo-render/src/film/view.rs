@@ -27,9 +27,7 @@ pub fn false_colour(layer: &Layer) -> Vec<[u8; 3]> {
     let pixels = layer.values().chunks_exact(channels);
     match layer.aov() {
         Aov::N | Aov::Ns => pixels.map(normal_colour).collect(),
-        Aov::Uv => pixels
-            .map(|p| [code(f64::from(p[0])), code(f64::from(p[1])), 0])
-            .collect(),
+        Aov::Uv => pixels.map(|p| [code(f64::from(p[0])), code(f64::from(p[1])), 0]).collect(),
         Aov::Albedo => pixels
             .map(|p| [p[0], p[1], p[2]].map(|c| code(srgb_from_linear(f64::from(c)))))
             .collect(),
@@ -44,9 +42,7 @@ pub fn false_colour(layer: &Layer) -> Vec<[u8; 3]> {
                 let (low, high) = ranges[c];
                 code((f64::from(pixel[c]) - low) / (high - low))
             };
-            pixels
-                .map(|pixel| [0, 1, 2].map(|c| shade(pixel, c)))
-                .collect()
+            pixels.map(|pixel| [0, 1, 2].map(|c| shade(pixel, c))).collect()
         }
     }
 }
@@ -61,30 +57,18 @@ fn normal_colour(normal: &[f32]) -> [u8; 3] {
 
 /// Smallest and largest finite value of a channel; never the same number twice.
 fn range(layer: &Layer, channel: usize) -> (f64, f64) {
-    let values = layer
-        .values()
-        .iter()
-        .skip(channel)
-        .step_by(layer.channels());
+    let values = layer.values().iter().skip(channel).step_by(layer.channels());
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
             (low.min(f64::from(value)), high.max(f64::from(value)))
         });
-    if low < high {
-        (low, high)
-    } else {
-        (low - 1.0, low)
-    }
+    if low < high { (low, high) } else { (low - 1.0, low) }
 }
 
 /// The 8-bit code of a value; NaN and infinity, which mark a pixel without a hit, become 0.
 fn code(value: f64) -> u8 {
-    if value.is_finite() {
-        (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
-    } else {
-        0
-    }
+    if value.is_finite() { (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { 0 }
 }
 
 /// Linear sRGB of an Oklab colour [Ottosson2020].
@@ -113,11 +97,7 @@ mod tests {
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
         for i in 0..64 {
-            assert!(
-                luminance(i) < luminance(i + 1),
-                "{i}: {:?}",
-                heat(f64::from(i) / 64.0)
-            );
+            assert!(luminance(i) < luminance(i + 1), "{i}: {:?}", heat(f64::from(i) / 64.0));
         }
         assert_eq!(heat(f64::NAN), heat(0.0));
         assert_eq!(heat(9.0), heat(1.0));

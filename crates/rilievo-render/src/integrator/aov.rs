@@ -15,10 +15,7 @@ pub(super) struct LayerSum {
 }
 
 impl LayerSum {
-    pub(super) const EMPTY: Self = Self {
-        sum: DVec3::ZERO,
-        samples: 0,
-    };
+    pub(super) const EMPTY: Self = Self { sum: DVec3::ZERO, samples: 0 };
 
     /// Adds what a camera ray of the scene met, and the work it took.
     pub(super) fn add(&mut self, aov: Aov, scene: &Scene, hit: Option<&Hit>, work: u64) {

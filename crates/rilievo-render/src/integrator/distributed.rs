@@ -46,10 +46,7 @@ struct Facing {
 impl Facing {
     fn of(hit: &Hit) -> Self {
         let sign = if hit.front { 1.0 } else { -1.0 };
-        Self {
-            geometric: sign * hit.geometric_normal,
-            shading: sign * hit.shading_normal,
-        }
+        Self { geometric: sign * hit.geometric_normal, shading: sign * hit.shading_normal }
     }
 }
 
@@ -62,11 +59,7 @@ pub(super) struct Distributed<'a> {
 
 impl<'a> Distributed<'a> {
     pub(super) fn new(scene: &'a Scene, sampler: Sampler, rays: &'a mut RayCounts) -> Self {
-        Self {
-            scene,
-            sampler,
-            rays,
-        }
+        Self { scene, sampler, rays }
     }
 
     /// Radiance that arrives against `ray`, given what it meets.
@@ -76,11 +69,7 @@ impl<'a> Distributed<'a> {
         };
         let material = self.scene.material(hit.surface);
         let facing = Facing::of(hit);
-        let mut radiance = if hit.front {
-            material.emitted
-        } else {
-            Rgb::ZERO
-        };
+        let mut radiance = if hit.front { material.emitted } else { Rgb::ZERO };
         let diffuse = material.diffuse.at(hit.uv);
         if diffuse != Rgb::ZERO {
             let irradiance = self.irradiance(hit, &facing, path);
@@ -112,13 +101,8 @@ impl<'a> Distributed<'a> {
         path: Path,
     ) -> Rgb {
         let count = self.scene.settings().shadow_samples;
-        let dimension = Dimension::Light {
-            depth: path.depth,
-            light: index,
-        };
-        let strata = self
-            .sampler
-            .strata(dimension, path.strand.split(0, count).count);
+        let dimension = Dimension::Light { depth: path.depth, light: index };
+        let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let mut sum = Rgb::ZERO;
         for k in 0..count {
             let u = strata.point(path.strand.split(k, count).index);
@@ -131,13 +115,7 @@ impl<'a> Distributed<'a> {
             }
             self.rays.shadow += 1;
             let way = hit.spawn(sample.position - hit.position);
-            if !self.scene.world().occluded(
-                &Ray {
-                    t_max: sample.clear,
-                    ..way
-                },
-                &mut (),
-            ) {
+            if !self.scene.world().occluded(&Ray { t_max: sample.clear, ..way }, &mut ()) {
                 sum += cosine * sample.weight;
             }
         }
@@ -154,15 +132,9 @@ impl<'a> Distributed<'a> {
     ) -> Rgb {
         let settings = self.scene.settings();
         let glossy = alpha > 0.0;
-        let count = if glossy && path.depth == 0 {
-            settings.glossy_samples
-        } else {
-            1
-        };
+        let count = if glossy && path.depth == 0 { settings.glossy_samples } else { 1 };
         let dimension = Dimension::Gloss { depth: path.depth };
-        let strata = self
-            .sampler
-            .strata(dimension, path.strand.split(0, count).count);
+        let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let normal = visible_shading_normal(facing, view);
         let (right, up) = normal.any_orthonormal_pair();
         let local_view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal).max(0.0));
@@ -180,14 +152,7 @@ impl<'a> Distributed<'a> {
             let ray = hit.spawn(above(reflected, facing.geometric));
             self.rays.reflection += 1;
             let next = self.scene.world().closest(&ray, &mut ());
-            sum += self.radiance(
-                &ray,
-                next.as_ref(),
-                Path {
-                    strand,
-                    depth: path.depth + 1,
-                },
-            );
+            sum += self.radiance(&ray, next.as_ref(), Path { strand, depth: path.depth + 1 });
         }
         sum / f64::from(count)
     }
@@ -199,19 +164,13 @@ fn visible_shading_normal(facing: &Facing, view: DVec3) -> DVec3 {
     if cosine >= 0.0 {
         return facing.shading;
     }
-    (facing.shading - cosine * view)
-        .try_normalize()
-        .unwrap_or(facing.geometric)
+    (facing.shading - cosine * view).try_normalize().unwrap_or(facing.geometric)
 }
 
 /// `direction`, mirrored at the plane with unit normal `normal` if it points below it.
 fn above(direction: DVec3, normal: DVec3) -> DVec3 {
     let height = direction.dot(normal);
-    if height >= 0.0 {
-        direction
-    } else {
-        direction - 2.0 * height * normal
-    }
+    if height >= 0.0 { direction } else { direction - 2.0 * height * normal }
 }
 
 #[cfg(test)]
@@ -224,11 +183,8 @@ mod tests {
         for i in 0..1000 {
             let angle = f64::from(i) * 0.37;
             let tilt = f64::from(i) / 1000.0 * 1.5;
-            let shading = DVec3::new(
-                tilt.sin() * angle.cos(),
-                tilt.sin() * angle.sin(),
-                tilt.cos(),
-            );
+            let shading =
+                DVec3::new(tilt.sin() * angle.cos(), tilt.sin() * angle.sin(), tilt.cos());
             let view = DVec3::new(0.999, 0.0, 0.01).normalize();
             let normal = visible_shading_normal(&Facing { geometric, shading }, view);
             assert!(normal.dot(view) >= -1e-12);

@@ -74,9 +74,7 @@ impl FromStr for Integrator {
     type Err = UnknownIntegrator;
 
     fn from_str(name: &str) -> Result<Self, UnknownIntegrator> {
-        let found = Self::ALL
-            .into_iter()
-            .find(|integrator| integrator.name() == name);
+        let found = Self::ALL.into_iter().find(|integrator| integrator.name() == name);
         found.ok_or_else(|| UnknownIntegrator(name.to_owned()))
     }
 }

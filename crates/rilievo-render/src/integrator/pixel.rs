@@ -21,12 +21,7 @@ pub(crate) struct PixelTracer<'a> {
 
 impl<'a> PixelTracer<'a> {
     pub(crate) fn new(scene: &'a Scene, pixel_centers: bool) -> Self {
-        Self {
-            scene,
-            pixel_centers,
-            rays: RayCounts::default(),
-            sums: Vec::new(),
-        }
+        Self { scene, pixel_centers, rays: RayCounts::default(), sums: Vec::new() }
     }
 
     /// Rays traced so far.
@@ -37,11 +32,7 @@ impl<'a> PixelTracer<'a> {
     /// Takes all samples of `pixel` and writes their means to `out`.
     pub(crate) fn trace(&mut self, pixel: [u32; 2], out: &mut PixelMut<'_>) {
         let settings = self.scene.settings();
-        let samples = if self.pixel_centers {
-            1
-        } else {
-            u64::from(settings.samples)
-        };
+        let samples = if self.pixel_centers { 1 } else { u64::from(settings.samples) };
         let sampler = Sampler::new(settings.seed, pixel);
         let strata = sampler.strata(Dimension::Pixel, samples);
         let center = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
@@ -60,13 +51,7 @@ impl<'a> PixelTracer<'a> {
             let (hit, work) = self.first_hit(&ray, steps);
             radiance += match settings.integrator {
                 Integrator::Distributed => {
-                    let path = Path {
-                        strand: Strand {
-                            index,
-                            count: samples,
-                        },
-                        depth: 0,
-                    };
+                    let path = Path { strand: Strand { index, count: samples }, depth: 0 };
                     Distributed::new(self.scene, sampler, &mut self.rays).radiance(
                         &ray,
                         hit.as_ref(),
@@ -79,9 +64,7 @@ impl<'a> PixelTracer<'a> {
                 sum.add(aov, self.scene, hit.as_ref(), work);
             }
         }
-        *out.radiance = (radiance / samples as f64)
-            .to_array()
-            .map(|channel| channel as f32);
+        *out.radiance = (radiance / samples as f64).to_array().map(|channel| channel as f32);
         for ((aov, channels), sum) in out.layers().zip(&self.sums) {
             sum.store(aov, channels);
         }

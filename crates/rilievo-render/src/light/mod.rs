@@ -105,10 +105,7 @@ mod tests {
             squares += value * value;
         }
         let mean = sum / f64::from(n);
-        (
-            mean,
-            ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt(),
-        )
+        (mean, ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt())
     }
 
     #[test]
@@ -121,17 +118,10 @@ mod tests {
         let half = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
         let expected = 2.0 * 0.5 * (half(a, b) + half(b, a));
         let (mean, error) = irradiance(&light, DVec3::ZERO, DVec3::Z);
-        assert!(
-            (mean - expected).abs() < 4.0 * error,
-            "{mean} +- {error}, not {expected}"
-        );
+        assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");
         assert!(error < 0.01 * expected);
         // From above, its back is seen.
-        assert!(
-            light
-                .sample(DVec3::splat(3.0), glam::DVec2::splat(0.5))
-                .is_none()
-        );
+        assert!(light.sample(DVec3::splat(3.0), glam::DVec2::splat(0.5)).is_none());
     }
 
     #[test]
@@ -139,12 +129,7 @@ mod tests {
         let center = DVec3::new(1.0, 2.0, 5.0);
         for radius in [1e-4, 0.5, 4.0] {
             let emitted = Rgb::splat(3.0);
-            let light = Light::Sphere(SphereLight {
-                center,
-                radius,
-                surface: 0,
-                emitted,
-            });
+            let light = Light::Sphere(SphereLight { center, radius, surface: 0, emitted });
             let normal = DVec3::new(1.0, 1.0, 3.0).normalize();
             // The whole sphere is above the horizon while its sine is below the cosine.
             let cosine = center.normalize().dot(normal);
@@ -153,22 +138,10 @@ mod tests {
                 std::f64::consts::PI * 3.0 * radius * radius * cosine / center.length_squared();
             let (mean, error) = irradiance(&light, DVec3::ZERO, normal);
             let bound = 4.0 * error + 1e-9 * expected;
-            assert!(
-                (mean - expected).abs() < bound,
-                "{mean} +- {error}, not {expected}"
-            );
+            assert!((mean - expected).abs() < bound, "{mean} +- {error}, not {expected}");
         }
         let emitted = Rgb::ONE;
-        let light = Light::Sphere(SphereLight {
-            center,
-            radius: 1.0,
-            surface: 0,
-            emitted,
-        });
-        assert!(
-            light
-                .sample(center + 0.5, glam::DVec2::splat(0.5))
-                .is_none()
-        );
+        let light = Light::Sphere(SphereLight { center, radius: 1.0, surface: 0, emitted });
+        assert!(light.sample(center + 0.5, glam::DVec2::splat(0.5)).is_none());
     }
 }

@@ -22,13 +22,7 @@ impl QuadLight {
     pub(super) fn new(corners: [DVec3; 4], surface: u32, emitted: Rgb) -> Self {
         let edges = [corners[1] - corners[0], corners[3] - corners[0]];
         let normal = edges[0].cross(edges[1]).normalize_or_zero();
-        Self {
-            corner: corners[0],
-            edges,
-            normal,
-            surface,
-            emitted,
-        }
+        Self { corner: corners[0], edges, normal, surface, emitted }
     }
 
     /// Area, square scene units.

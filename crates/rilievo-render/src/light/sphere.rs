@@ -34,9 +34,7 @@ impl SphereLight {
         // The nearer meeting with the sphere; at the rim the square root is held at 0.
         let along = axis.dot(direction);
         let beside = axis - along * direction;
-        let half_chord = (self.radius * self.radius - beside.length_squared())
-            .max(0.0)
-            .sqrt();
+        let half_chord = (self.radius * self.radius - beside.length_squared()).max(0.0).sqrt();
         let position = point + (along - half_chord) * direction;
         let normal = (position - self.center) / self.radius;
         Some(LightSample {

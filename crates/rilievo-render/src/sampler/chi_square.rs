@@ -25,10 +25,7 @@ pub(crate) fn chi_square_z(observed: &[f64], expected: &[f64]) -> f64 {
         statistic += (rest_observed - rest_expected).powi(2) / rest_expected;
         cells += 1.0;
     } else {
-        assert!(
-            rest_observed <= 40.0,
-            "{rest_observed} samples where next to none belong"
-        );
+        assert!(rest_observed <= 40.0, "{rest_observed} samples where next to none belong");
     }
     let freedom: f64 = cells - 1.0;
     let spread = 2.0 / (9.0 * freedom);
@@ -72,10 +69,7 @@ pub(crate) fn check_directions(
         }
     }
     let total = expected.iter().sum::<f64>() / f64::from(SAMPLES);
-    assert!(
-        (total - 1.0).abs() < 2e-3,
-        "{name}: density integrates to {total}"
-    );
+    assert!((total - 1.0).abs() < 2e-3, "{name}: density integrates to {total}");
     let z = chi_square_z(&observed, &expected);
     assert!(z < 4.0, "{name}: chi-square is {z} deviations too large");
 }

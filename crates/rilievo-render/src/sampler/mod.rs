@@ -43,9 +43,7 @@ impl Sampler {
     /// The numbers of pixel (x, y) under `seed`.
     pub fn new(seed: u64, pixel: [u32; 2]) -> Self {
         let pixel = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
-        Self {
-            key: hash(hash(seed, 0), pixel),
-        }
+        Self { key: hash(hash(seed, 0), pixel) }
     }
 
     /// `count` strata of a dimension; at least one.
@@ -57,12 +55,7 @@ impl Sampler {
         };
         let (nx, ny) = grid(count.max(1));
         let key = hash(hash(hash(self.key, kind), detail), count);
-        Strata {
-            jitter: hash(key, 0),
-            permutation: Permutation::new(nx * ny, key),
-            nx,
-            ny,
-        }
+        Strata { jitter: hash(key, 0), permutation: Permutation::new(nx * ny, key), nx, ny }
     }
 }
 
@@ -79,10 +72,7 @@ impl Strand {
     /// The path's `branch` of `branches`.
     pub fn split(self, branch: u32, branches: u32) -> Self {
         let branches = u64::from(branches);
-        Self {
-            index: self.index * branches + u64::from(branch),
-            count: self.count * branches,
-        }
+        Self { index: self.index * branches + u64::from(branch), count: self.count * branches }
     }
 }
 
@@ -129,10 +119,7 @@ fn grid(count: u64) -> (u64, u64) {
 
 /// A 64-bit hash of a key and a value: the SplitMix64 finaliser over their mix [Steele2014].
 fn hash(key: u64, value: u64) -> u64 {
-    let mut z = key
-        ^ value
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            .wrapping_add(0x6a09_e667_f3bc_c909);
+    let mut z = key ^ value.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x6a09_e667_f3bc_c909);
     for _ in 0..2 {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -154,10 +141,7 @@ struct Permutation {
 impl Permutation {
     /// The permutation of `0..count` that `key` names.
     fn new(count: u64, key: u64) -> Self {
-        Self {
-            count,
-            rounds: [1, 2, 3, 4, 5, 6, 7, 8].map(|round| hash(key, round)),
-        }
+        Self { count, rounds: [1, 2, 3, 4, 5, 6, 7, 8].map(|round| hash(key, round)) }
     }
 
     /// The image of `i`, which must be below `count`.
@@ -205,9 +189,8 @@ mod tests {
     #[test]
     fn permutations_are_bijections() {
         for count in (1..70).chain([1000, 4097]) {
-            let images: HashSet<_> = (0..count)
-                .map(|i| Permutation::new(count, 3).image(i))
-                .collect();
+            let images: HashSet<_> =
+                (0..count).map(|i| Permutation::new(count, 3).image(i)).collect();
             assert_eq!(images.len() as u64, count);
             assert!(images.iter().all(|&i| i < count));
         }
@@ -224,13 +207,7 @@ mod tests {
             }
             let pairs = (count * (count - 1)) as f64;
             let expected: Vec<f64> = (0..count * count)
-                .map(|cell| {
-                    if cell / count == cell % count {
-                        0.0
-                    } else {
-                        n as f64 / pairs
-                    }
-                })
+                .map(|cell| if cell / count == cell % count { 0.0 } else { n as f64 / pairs })
                 .collect();
             let z = chi_square_z(&observed, &expected);
             assert!(z < 4.0, "{count}: {z}");
@@ -260,21 +237,9 @@ mod tests {
         let other = Dimension::Light { depth: 0, light: 1 };
         let coordinate = |pixel, dimension| Sampler::new(2, pixel).strata(dimension, 16).point(5).x;
         let pairs: [(&str, &dyn Fn(u32, u32) -> [f64; 2]); 3] = [
-            ("dimensions", &|x, y| {
-                [coordinate([x, y], light), coordinate([x, y], other)]
-            }),
-            ("columns", &|x, y| {
-                [
-                    coordinate([2 * x, y], light),
-                    coordinate([2 * x + 1, y], light),
-                ]
-            }),
-            ("rows", &|x, y| {
-                [
-                    coordinate([x, 2 * y], light),
-                    coordinate([x, 2 * y + 1], light),
-                ]
-            }),
+            ("dimensions", &|x, y| [coordinate([x, y], light), coordinate([x, y], other)]),
+            ("columns", &|x, y| [coordinate([2 * x, y], light), coordinate([2 * x + 1, y], light)]),
+            ("rows", &|x, y| [coordinate([x, 2 * y], light), coordinate([x, 2 * y + 1], light)]),
         ];
         for (name, pair) in pairs {
             let mut observed = vec![0.0; 256];

@@ -29,11 +29,7 @@ pub fn square_to_disk(u: DVec2) -> DVec2 {
 
 /// Density of [`square_to_disk`], per unit area.
 pub fn square_to_disk_pdf(p: DVec2) -> f64 {
-    if p.length_squared() <= 1.0 {
-        FRAC_1_PI
-    } else {
-        0.0
-    }
+    if p.length_squared() <= 1.0 { FRAC_1_PI } else { 0.0 }
 }
 
 /// The upper hemisphere, in proportion to the cosine with +z.
@@ -58,11 +54,7 @@ pub fn square_to_cone(u: DVec2, height: f64) -> DVec3 {
 
 /// Density of [`square_to_cone`], per steradian.
 pub fn square_to_cone_pdf(direction: DVec3, height: f64) -> f64 {
-    if 1.0 - direction.z <= height {
-        1.0 / (TAU * height)
-    } else {
-        0.0
-    }
+    if 1.0 - direction.z <= height { 1.0 / (TAU * height) } else { 0.0 }
 }
 
 /// The parallelogram from `corner` along two edges, uniform.
@@ -82,9 +74,7 @@ pub fn square_to_visible_normal(u: DVec2, view: DVec3, alpha: f64) -> DVec3 {
     let r = (1.0 - z * z).max(0.0).sqrt();
     let (sin, cos) = (TAU * u.y).sin_cos();
     let half = DVec3::new(r * cos, r * sin, z) + stretched;
-    (half * DVec3::new(alpha, alpha, 1.0))
-        .with_z(half.z.max(0.0))
-        .normalize_or(DVec3::Z)
+    (half * DVec3::new(alpha, alpha, 1.0)).with_z(half.z.max(0.0)).normalize_or(DVec3::Z)
 }
 
 /// Density of [`square_to_visible_normal`], per steradian.
@@ -136,13 +126,7 @@ mod tests {
 
     #[test]
     fn visible_normals_follow_their_density() {
-        for (angle, alpha) in [
-            (0.0f64, 0.5),
-            (0.8, 0.3),
-            (1.3, 0.7),
-            (1.5, 1.0),
-            (1.57, 0.4),
-        ] {
+        for (angle, alpha) in [(0.0f64, 0.5), (0.8, 0.3), (1.3, 0.7), (1.5, 1.0), (1.57, 0.4)] {
             let view = DVec3::new(angle.sin(), 0.0, angle.cos());
             check_directions(
                 "visible normal",
@@ -172,14 +156,9 @@ mod tests {
 
     #[test]
     fn quad_moments() {
-        let (corner, edges) = (
-            DVec3::ONE,
-            [DVec3::new(2.0, 0.0, 0.0), DVec3::new(1.0, 3.0, 0.0)],
-        );
+        let (corner, edges) = (DVec3::ONE, [DVec3::new(2.0, 0.0, 0.0), DVec3::new(1.0, 3.0, 0.0)]);
         let n = 100_000;
-        let sum: DVec3 = independent_points(n)
-            .map(|u| square_to_quad(u, corner, edges))
-            .sum();
+        let sum: DVec3 = independent_points(n).map(|u| square_to_quad(u, corner, edges)).sum();
         let center = corner + 0.5 * (edges[0] + edges[1]);
         assert!((sum / f64::from(n) - center).length() < 0.02);
         assert_eq!(square_to_quad_pdf(edges), 1.0 / 6.0);

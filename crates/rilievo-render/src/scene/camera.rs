@@ -68,28 +68,17 @@ impl Camera {
     /// # Errors
     /// [`CameraError`] says which part is wrong.
     pub fn new(parts: CameraParts) -> Result<Self, CameraError> {
-        let CameraParts {
-            position,
-            look_at,
-            up,
-            fov,
-            resolution,
-        } = parts;
+        let CameraParts { position, look_at, up, fov, resolution } = parts;
         if !(position.is_finite() && look_at.is_finite() && up.is_finite()) {
             return Err(CameraError::NotFinite);
         }
         if !(fov > 0.0 && fov < 180.0) {
             return Err(CameraError::FieldOfView { found: fov });
         }
-        if resolution
-            .iter()
-            .any(|n| !(1..=Self::MAX_RESOLUTION).contains(n))
-        {
+        if resolution.iter().any(|n| !(1..=Self::MAX_RESOLUTION).contains(n)) {
             return Err(CameraError::Resolution { found: resolution });
         }
-        let forward = (look_at - position)
-            .try_normalize()
-            .ok_or(CameraError::NoDirection)?;
+        let forward = (look_at - position).try_normalize().ok_or(CameraError::NoDirection)?;
         let up = up.try_normalize().ok_or(CameraError::UpIsParallel)?;
         let side = forward.cross(up);
         // Below this sine the horizon is rounding noise.
@@ -99,12 +88,7 @@ impl Camera {
         let right = side.normalize();
         let down = forward.cross(right);
         let pixel = 2.0 * (0.5 * fov.to_radians()).tan() / f64::from(resolution[1]);
-        Ok(Self {
-            parts,
-            forward,
-            step_x: pixel * right,
-            step_y: pixel * down,
-        })
+        Ok(Self { parts, forward, step_x: pixel * right, step_y: pixel * down })
     }
 
     /// What the camera was made of.
@@ -117,10 +101,7 @@ impl Camera {
     /// # Errors
     /// [`CameraError::Resolution`].
     pub fn with_resolution(&self, resolution: [u32; 2]) -> Result<Self, CameraError> {
-        Self::new(CameraParts {
-            resolution,
-            ..self.parts
-        })
+        Self::new(CameraParts { resolution, ..self.parts })
     }
 
     /// Pixels along image x and y.
@@ -163,36 +144,18 @@ mod tests {
         let camera = Camera::new(parts()).unwrap();
         // Looking along +y with +z up, the right hand is +x; half height 1, half width 2.
         assert!(near(camera.ray(200.0, 100.0).direction, DVec3::Y));
-        assert!(near(
-            camera.ray(0.0, 0.0).direction,
-            DVec3::new(-2.0, 1.0, 1.0)
-        ));
-        assert!(near(
-            camera.ray(400.0, 0.0).direction,
-            DVec3::new(2.0, 1.0, 1.0)
-        ));
-        assert!(near(
-            camera.ray(0.0, 200.0).direction,
-            DVec3::new(-2.0, 1.0, -1.0)
-        ));
-        assert!(near(
-            camera.ray(400.0, 200.0).direction,
-            DVec3::new(2.0, 1.0, -1.0)
-        ));
+        assert!(near(camera.ray(0.0, 0.0).direction, DVec3::new(-2.0, 1.0, 1.0)));
+        assert!(near(camera.ray(400.0, 0.0).direction, DVec3::new(2.0, 1.0, 1.0)));
+        assert!(near(camera.ray(0.0, 200.0).direction, DVec3::new(-2.0, 1.0, -1.0)));
+        assert!(near(camera.ray(400.0, 200.0).direction, DVec3::new(2.0, 1.0, -1.0)));
         assert_eq!(camera.ray(3.0, 4.0).origin, DVec3::new(1.0, -2.0, 3.0));
     }
 
     #[test]
     fn tilted_up_only_turns_the_horizon() {
-        let tilted = CameraParts {
-            up: DVec3::new(0.0, 5.0, 2.0),
-            ..parts()
-        };
+        let tilted = CameraParts { up: DVec3::new(0.0, 5.0, 2.0), ..parts() };
         let (a, b) = (Camera::new(parts()).unwrap(), Camera::new(tilted).unwrap());
-        assert!(near(
-            a.ray(17.0, 150.0).direction,
-            b.ray(17.0, 150.0).direction
-        ));
+        assert!(near(a.ray(17.0, 150.0).direction, b.ray(17.0, 150.0).direction));
     }
 
     #[test]
@@ -203,20 +166,14 @@ mod tests {
         assert_eq!(up(-DVec3::Y), CameraError::UpIsParallel);
         assert_eq!(up(DVec3::ZERO), CameraError::UpIsParallel);
         assert_eq!(up(DVec3::NAN), CameraError::NotFinite);
-        let here = CameraParts {
-            look_at: parts().position,
-            ..parts()
-        };
+        let here = CameraParts { look_at: parts().position, ..parts() };
         assert_eq!(refused(here), CameraError::NoDirection);
         for fov in [0.0, 180.0, -3.0, f64::NAN] {
             let error = refused(CameraParts { fov, ..parts() });
             assert!(matches!(error, CameraError::FieldOfView { .. }));
         }
         for resolution in [[0, 4], [4, 0], [70_000, 4]] {
-            let error = refused(CameraParts {
-                resolution,
-                ..parts()
-            });
+            let error = refused(CameraParts { resolution, ..parts() });
             assert_eq!(error, CameraError::Resolution { found: resolution });
         }
     }

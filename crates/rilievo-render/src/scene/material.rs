@@ -84,11 +84,7 @@ impl Material {
     /// [`MaterialError`] names the first part that is out of range.
     pub fn check(&self) -> Result<(), MaterialError> {
         let colour = |part, found| {
-            if is_radiance(found) {
-                Ok(())
-            } else {
-                Err(MaterialError::Colour { part, found })
-            }
+            if is_radiance(found) { Ok(()) } else { Err(MaterialError::Colour { part, found }) }
         };
         match &self.diffuse {
             Reflectance::Uniform(rgb) => colour("diffuse", *rgb)?,
@@ -101,9 +97,7 @@ impl Material {
         colour("reflective", self.reflective)?;
         colour("emitted", self.emitted)?;
         if !(0.0..=1.0).contains(&self.roughness) {
-            return Err(MaterialError::Roughness {
-                found: self.roughness,
-            });
+            return Err(MaterialError::Roughness { found: self.roughness });
         }
         Ok(())
     }
@@ -116,28 +110,12 @@ mod tests {
     #[test]
     fn parts_out_of_range_are_named() {
         assert_eq!(Material::default().check(), Ok(()));
-        let rough = Material {
-            roughness: 1.5,
-            ..Material::default()
-        };
+        let rough = Material { roughness: 1.5, ..Material::default() };
         assert_eq!(rough.check(), Err(MaterialError::Roughness { found: 1.5 }));
-        let dark = Material {
-            emitted: Rgb::new(1.0, -1.0, 0.0),
-            ..Material::default()
-        };
+        let dark = Material { emitted: Rgb::new(1.0, -1.0, 0.0), ..Material::default() };
         let message = dark.check().unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "emitted is [1, -1, 0]; channels must be finite and at least 0"
-        );
+        assert_eq!(message, "emitted is [1, -1, 0]; channels must be finite and at least 0");
         let nan = Reflectance::Uniform(Rgb::splat(f64::NAN));
-        assert!(
-            Material {
-                diffuse: nan,
-                ..Material::default()
-            }
-            .check()
-            .is_err()
-        );
+        assert!(Material { diffuse: nan, ..Material::default() }.check().is_err());
     }
 }

@@ -95,16 +95,10 @@ impl Scene {
         let materials = parts.materials.len();
         let names = parts.material_of.iter().enumerate();
         if let Some((surface, &found)) = names.clone().find(|&(_, &m)| m as usize >= materials) {
-            return Err(SceneError::NoSuchMaterial {
-                surface,
-                found,
-                materials,
-            });
+            return Err(SceneError::NoSuchMaterial { surface, found, materials });
         }
         for (index, material) in parts.materials.iter().enumerate() {
-            material
-                .check()
-                .map_err(|error| SceneError::Material { index, error })?;
+            material.check().map_err(|error| SceneError::Material { index, error })?;
         }
         for (part, found) in [("background", parts.background), ("ambient", parts.ambient)] {
             if !is_radiance(found) {

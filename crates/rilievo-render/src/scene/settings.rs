@@ -67,12 +67,7 @@ impl RenderSettings {
             if (min..=max).contains(&found) {
                 Ok(())
             } else {
-                Err(SettingsError {
-                    setting,
-                    found,
-                    min,
-                    max,
-                })
+                Err(SettingsError { setting, found, min, max })
             }
         };
         within("samples", self.samples, 1, Self::MAX_SAMPLES)?;
@@ -89,15 +84,9 @@ mod tests {
     #[test]
     fn counts_out_of_range_are_named() {
         assert_eq!(RenderSettings::default().check(), Ok(()));
-        let none = RenderSettings {
-            samples: 0,
-            ..RenderSettings::default()
-        };
+        let none = RenderSettings { samples: 0, ..RenderSettings::default() };
         assert_eq!(none.check().unwrap_err().setting, "samples");
-        let deep = RenderSettings {
-            max_depth: 257,
-            ..RenderSettings::default()
-        };
+        let deep = RenderSettings { max_depth: 257, ..RenderSettings::default() };
         let message = deep.check().unwrap_err().to_string();
         assert_eq!(message, "max_depth is 257; 0 to 256 are allowed");
     }

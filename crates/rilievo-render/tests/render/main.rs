@@ -1,0 +1,6 @@
+//! Whole renders, through the public interface.
+
+mod closed_forms;
+mod determinism;
+mod layers;
+mod scenes;

@@ -1,0 +1,88 @@
+//! Scenes built in a few lines.
+
+use glam::DVec3;
+use rilievo::surface::{Quad, Sphere, Surface, World};
+use rilievo_render::{
+    Aov, Camera, CameraParts, Film, Material, Reflectance, RenderOptions, RenderSettings,
+    RenderStats, Rgb, Scene, SceneParts, render,
+};
+
+/// A diffuser of one grey.
+pub fn diffuse(grey: f64) -> Material {
+    Material { diffuse: Reflectance::Uniform(Rgb::splat(grey)), ..Material::default() }
+}
+
+/// A black body that emits.
+pub fn emitter(emitted: Rgb) -> Material {
+    Material { emitted, ..diffuse(0.0) }
+}
+
+/// Collects surfaces, each with its own material.
+#[derive(Default)]
+pub struct Builder {
+    surfaces: Vec<Surface>,
+    materials: Vec<Material>,
+}
+
+impl Builder {
+    /// Adds a two-sided quad from a corner and the edges along u and v.
+    pub fn quad(mut self, [corner, u, v]: [DVec3; 3], material: Material) -> Self {
+        let corners = [corner, corner + u, corner + u + v, corner + v];
+        self.surfaces.push(Surface::Quad(Quad::new(corners, false).unwrap()));
+        self.materials.push(material);
+        self
+    }
+
+    /// Adds a sphere.
+    pub fn sphere(mut self, center: DVec3, radius: f64, material: Material) -> Self {
+        self.surfaces.push(Surface::Sphere(Sphere::new(center, radius).unwrap()));
+        self.materials.push(material);
+        self
+    }
+
+    /// Adds the six walls of the cube `center +- half`, their fronts inside.
+    pub fn room(mut self, center: DVec3, half: f64, material: &Material) -> Self {
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            for normal in [axis, -axis] {
+                let u = DVec3::new(axis.z, axis.x, axis.y) * half;
+                let v = normal.cross(u);
+                let middle = center - normal * half;
+                self = self.quad([middle - u - v, 2.0 * u, 2.0 * v], material.clone());
+            }
+        }
+        self
+    }
+
+    /// The scene, with black surroundings.
+    pub fn scene(self, camera: CameraParts, settings: RenderSettings) -> Scene {
+        let material_of = (0..self.surfaces.len() as u32).collect();
+        Scene::new(SceneParts {
+            world: World::new(self.surfaces),
+            materials: self.materials,
+            material_of,
+            camera: Camera::new(camera).unwrap(),
+            background: Rgb::ZERO,
+            ambient: Rgb::ZERO,
+            settings,
+        })
+        .unwrap()
+    }
+}
+
+/// A camera with +z up.
+pub fn camera(
+    position: [f64; 3],
+    look_at: [f64; 3],
+    fov: f64,
+    resolution: [u32; 2],
+) -> CameraParts {
+    let [position, look_at] = [position, look_at].map(DVec3::from_array);
+    CameraParts { position, look_at, up: DVec3::Z, fov, resolution }
+}
+
+/// Renders with one ray through each pixel's centre and keeps P.
+pub fn pixel_centers(scene: &Scene) -> (Film, RenderStats) {
+    let options =
+        RenderOptions { pixel_centers: true, aovs: &[Aov::P], ..RenderOptions::default() };
+    render(scene, &options).unwrap()
+}
