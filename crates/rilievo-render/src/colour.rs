@@ -1,4 +1,4 @@
-//! Linear RGB and the sRGB transfer curve of [IEC61966-2-1].
+//! Linear RGB and the sRGB transfer curve of [Stokes1996].
 
 use glam::DVec3;
 

@@ -70,7 +70,7 @@ impl Film {
     pub fn new(resolution: [u32; 2], aovs: &[Aov]) -> Result<Self, FilmError> {
         let [width, height] = resolution;
         let error = FilmError { width, height };
-        let pixels = width as usize * height as usize;
+        let pixels = (width as usize).checked_mul(height as usize).ok_or(error)?;
         let mut layers: Vec<Layer> = Vec::new();
         for &aov in aovs {
             if layers.iter().all(|layer| layer.aov != aov) {
@@ -176,4 +176,47 @@ fn filled<T: Clone>(value: T, count: usize) -> Option<Vec<T>> {
     values.try_reserve_exact(count).ok()?;
     values.resize(count, value);
     Some(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_put_in_place() {
+        let aovs = [Aov::Uv, Aov::Z, Aov::Uv];
+        let mut film = Film::new([5, 4], &aovs).unwrap();
+        assert_eq!(film.layers().len(), 2);
+        let tile = Tile { corner: [3, 1], size: [2, 3] };
+        let mut pixels = Film::new(tile.size, &aovs).unwrap();
+        let mut pixel = pixels.pixel_mut(1, 2);
+        *pixel.radiance = [1.0, 2.0, 3.0];
+        for (_, channels) in pixel.layers() {
+            channels.fill(7.0);
+        }
+        film.insert(tile, &pixels);
+        // Pixel (1, 2) of the tile is pixel (4, 3) of the film, its last.
+        assert_eq!(film.radiance()[19], [1.0, 2.0, 3.0]);
+        assert_eq!(film.layer(Aov::Uv).unwrap().values()[36..], [0.0, 0.0, 7.0, 7.0]);
+        assert_eq!(film.layer(Aov::Z).unwrap().values()[18..], [f32::INFINITY, 7.0]);
+        let finished: Vec<usize> = (0..20).filter(|&i| film.finished()[i]).collect();
+        assert_eq!(finished, [8, 9, 13, 14, 18, 19]);
+        assert!(!film.is_complete());
+        assert!(film.layer(Aov::P).is_none());
+    }
+
+    #[test]
+    fn an_image_beyond_memory_is_an_error() {
+        let error = Film::new([u32::MAX, u32::MAX], &[Aov::P]).unwrap_err();
+        assert_eq!(error.to_string(), "no memory for an image of 4294967295 x 4294967295 pixels");
+    }
+
+    #[test]
+    fn predicted_bytes_are_those_held() {
+        let aovs = [Aov::P, Aov::Height];
+        let film = Film::new([7, 3], &aovs).unwrap();
+        let values: usize = film.layers().iter().map(|layer| layer.values().len()).sum();
+        let held = film.radiance().len() * 12 + film.finished().len() + values * 4;
+        assert_eq!(Film::predicted_bytes([7, 3], &aovs), held as u64);
+    }
 }

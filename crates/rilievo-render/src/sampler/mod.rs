@@ -236,10 +236,12 @@ mod tests {
         let light = Dimension::Light { depth: 0, light: 0 };
         let other = Dimension::Light { depth: 0, light: 1 };
         let coordinate = |pixel, dimension| Sampler::new(2, pixel).strata(dimension, 16).point(5).x;
-        let pairs: [(&str, &dyn Fn(u32, u32) -> [f64; 2]); 3] = [
-            ("dimensions", &|x, y| [coordinate([x, y], light), coordinate([x, y], other)]),
-            ("columns", &|x, y| [coordinate([2 * x, y], light), coordinate([2 * x + 1, y], light)]),
-            ("rows", &|x, y| [coordinate([x, 2 * y], light), coordinate([x, 2 * y + 1], light)]),
+        let same = |pixel| coordinate(pixel, light);
+        type Pair<'a> = &'a dyn Fn(u32, u32) -> [f64; 2];
+        let pairs: [(&str, Pair<'_>); 3] = [
+            ("dimensions", &|x, y| [same([x, y]), coordinate([x, y], other)]),
+            ("columns", &|x, y| [same([2 * x, y]), same([2 * x + 1, y])]),
+            ("rows", &|x, y| [same([x, 2 * y]), same([x, 2 * y + 1])]),
         ];
         for (name, pair) in pairs {
             let mut observed = vec![0.0; 256];

@@ -3,4 +3,5 @@
 mod closed_forms;
 mod determinism;
 mod layers;
+mod scene;
 mod scenes;
