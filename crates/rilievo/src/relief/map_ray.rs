@@ -65,6 +65,13 @@ pub(crate) struct Window {
     pub hi: [f64; 2],
 }
 
+impl Window {
+    /// Largest magnitude of a coordinate.
+    pub fn farthest(&self) -> f64 {
+        self.lo.iter().chain(&self.hi).fold(0.0, |far, x| far.max(x.abs()))
+    }
+}
+
 impl MapRay {
     /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
     /// `cull` is the part of `0..1` worth walking.

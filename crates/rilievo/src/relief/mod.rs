@@ -14,7 +14,7 @@
 //! | [`Method::DistancePublished`] | points a distance apart | texel-point distances | no |
 //! | [`Method::March`] | points a fixed step apart | nothing | no |
 //!
-//! **One arithmetic.** The path of a ray: world (`f64`) -> lattice space (`f64`, [`face`]) ->
+//! **One arithmetic.** The path of a ray: world (`f64`) -> lattice space (`f64`, `placement`) ->
 //! forward frame (`f32`, `map_ray`) -> tiles (`tile`, `trace`) -> a method's walk (`walk`,
 //! `cell_walk`, `distance_walk`) -> the leaf (`leaf`) -> refined root (`f64`, `refine`) -> hit. Only
 //! the walk differs between exact methods; the leaf is a function of ray and cell alone. So they
@@ -28,6 +28,7 @@ mod face;
 mod leaf;
 mod map_ray;
 mod method;
+mod placement;
 mod refine;
 mod shading;
 mod tile;

@@ -35,8 +35,8 @@ impl ReliefFace {
         let heights = self.relief.heights();
         let d = &self.options.displacement;
         Metric {
-            x: self.edge_u.length() / (d.tile[0] * f64::from(heights.x().period())),
-            y: self.edge_v.length() / (d.tile[1] * f64::from(heights.y().period())),
+            x: self.placement.edge_u.length() / (d.tile[0] * f64::from(heights.x().period())),
+            y: self.placement.edge_v.length() / (d.tile[1] * f64::from(heights.y().period())),
             z: d.scale * heights.unit(),
         }
     }
@@ -91,8 +91,10 @@ impl ReliefFace {
     fn world_normal(&self, normal: DVec3) -> DVec3 {
         let z = normal.z.max(1e-9);
         let (along_u, along_v) = (-normal.x / z, -normal.y / z);
-        let du = self.edge_u + along_u * self.edge_u.length() * self.normal;
-        let dv = self.edge_v + along_v * self.edge_v.length() * self.normal;
+        let du = self.placement.edge_u
+            + along_u * self.placement.edge_u.length() * self.placement.normal;
+        let dv = self.placement.edge_v
+            + along_v * self.placement.edge_v.length() * self.placement.normal;
         du.cross(dv).normalize()
     }
 }

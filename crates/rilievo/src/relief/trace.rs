@@ -81,7 +81,7 @@ pub(crate) fn first_crossing<P: Probe>(
             }
         }
         Met::Wall { wall, s, from_above } => {
-            let (axis, line) = wall_line(face, wall);
+            let (axis, line) = face.placement.wall_line(wall);
             let towards = line - exact.origin[axis];
             let refined = towards / exact.direction[axis];
             let s = if refined.is_finite() { refined.max(0.0) } else { f64::from(s) };
@@ -97,19 +97,6 @@ pub(crate) fn first_crossing<P: Probe>(
             }
         }
     })
-}
-
-/// Axis and lattice coordinate of a wall's line.
-fn wall_line(face: &ReliefFace, wall: Wall) -> (usize, f64) {
-    let window = &face.window;
-    match wall {
-        Wall::LowU => (0, window.lo[0]),
-        Wall::HighU => (0, window.hi[0]),
-        Wall::LowV => (1, window.lo[1]),
-        Wall::HighV => (1, window.hi[1]),
-        Wall::SeamU(line) => (0, f64::from(line)),
-        Wall::SeamV(line) => (1, f64::from(line)),
-    }
 }
 
 /// Walks the tiles front to back; inside each the face's method finds the first crossing.
@@ -189,7 +176,7 @@ fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &ReliefFace)
 
 /// Gap above offset 0, which the border's walls go down to.
 fn gap_to_base(face: &ReliefFace, ray: &MapRay, s: f32) -> f32 {
-    ray.z(s) - face.raw_zero as f32
+    ray.z(s) - face.placement.raw_zero as f32
 }
 
 fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
@@ -243,8 +230,12 @@ fn first_approximate<P: Probe>(
     spawned: bool,
     probe: &mut P,
 ) -> Option<ApproximateHit> {
-    let segment =
-        Segment::new(face.relief.heights(), &ray.exact, &face.window, f64::from(ray.cull[1]))?;
+    let segment = Segment::new(
+        face.relief.heights(),
+        &ray.exact,
+        &face.placement.window,
+        f64::from(ray.cull[1]),
+    )?;
     let segment = segment.spawned(spawned);
     let hit = match face.relief.distance(DistanceKind::Published) {
         Some(map) if face.options.method == Method::DistancePublished => {
