@@ -18,17 +18,11 @@ pub struct Aabb {
 
 impl Aabb {
     /// The empty box, neutral in unions.
-    pub const EMPTY: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// The smallest box around `points`.
     pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| Self {
-            min: b.min.min(p),
-            max: b.max.max(p),
-        })
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
     /// Whether the box holds no point.
@@ -39,10 +33,7 @@ impl Aabb {
     /// The smallest box around both.
     #[inline]
     pub fn union(self, other: Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The box with every face moved outwards by `by`; an empty box stays empty.
@@ -50,10 +41,7 @@ impl Aabb {
         if self.is_empty() {
             return self;
         }
-        Self {
-            min: self.min - by,
-            max: self.max + by,
-        }
+        Self { min: self.min - by, max: self.max + by }
     }
 
     /// Surface area in square scene units; 0 for an empty box.
@@ -107,10 +95,7 @@ impl SlabRay {
     /// Prepares `ray`.
     pub fn new(ray: &Ray) -> Self {
         let spread = GROWTH * ray.origin.abs().max_element();
-        Self {
-            origins: [ray.origin + spread, ray.origin - spread],
-            inverse: ray.direction.recip(),
-        }
+        Self { origins: [ray.origin + spread, ray.origin - spread], inverse: ray.direction.recip() }
     }
 
     /// Where the ray enters `bounds`, at least 0 and a lower bound on every meeting inside, or
@@ -122,11 +107,8 @@ impl SlabRay {
         let (mut near, mut far) = (0.0, t_max * FAR_FACTOR);
         for axis in 0..3 {
             let backwards = self.inverse[axis].is_sign_negative();
-            let (enter, leave) = if backwards {
-                (high[axis], low[axis])
-            } else {
-                (low[axis], high[axis])
-            };
+            let (enter, leave) =
+                if backwards { (high[axis], low[axis]) } else { (low[axis], high[axis]) };
             near = enter.max(near);
             far = (leave * FAR_FACTOR).min(far);
         }
@@ -140,10 +122,7 @@ mod tests {
     use crate::accel::random::Random;
 
     fn unit() -> Aabb {
-        Aabb {
-            min: DVec3::ZERO,
-            max: DVec3::ONE,
-        }
+        Aabb { min: DVec3::ZERO, max: DVec3::ONE }
     }
 
     fn entry(b: &Aabb, origin: DVec3, direction: DVec3) -> Option<f64> {
@@ -166,17 +145,9 @@ mod tests {
         assert_eq!(Aabb::EMPTY.surface_area(), 0.0);
         assert_eq!(Aabb::EMPTY.grown(1.0), Aabb::EMPTY);
         assert!(Aabb::EMPTY.centre().is_finite());
-        let all = Aabb {
-            min: DVec3::NEG_INFINITY,
-            max: DVec3::INFINITY,
-        };
+        let all = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
         assert_eq!(all.centre(), DVec3::ZERO);
-        for d in [
-            DVec3::X,
-            -DVec3::Y,
-            DVec3::new(1.0, -2.0, 0.0),
-            DVec3::new(-0.0, 0.0, 3.0),
-        ] {
+        for d in [DVec3::X, -DVec3::Y, DVec3::new(1.0, -2.0, 0.0), DVec3::new(-0.0, 0.0, 3.0)] {
             assert_eq!(entry(&all, DVec3::splat(7.0), d), Some(0.0));
             assert_eq!(entry(&Aabb::EMPTY, DVec3::splat(7.0), d), None);
         }
@@ -207,30 +178,18 @@ mod tests {
     fn flat_boxes_are_never_missed_by_rounding() {
         let mut random = Random(1);
         for case in 0..300_000 {
-            let shift = if case % 2 == 0 {
-                DVec3::ZERO
-            } else {
-                DVec3::new(148376.0, 1234.0, -2e5)
-            };
+            let shift =
+                if case % 2 == 0 { DVec3::ZERO } else { DVec3::new(148376.0, 1234.0, -2e5) };
             let origin = random.cube() * 10.0 + shift;
             let target = random.cube() + shift;
             let mut half = random.cube().abs();
             half[case % 3] = 0.0;
-            let b = Aabb {
-                min: target - half,
-                max: target + half,
-            };
+            let b = Aabb { min: target - half, max: target + half };
             let ray = Ray::new(origin, target - origin);
             assert!(SlabRay::new(&ray).entry(&b, 1.0).is_some(), "{ray:?} {b:?}");
             // A point box, and a corner of the box aimed at.
-            let point = Aabb {
-                min: target,
-                max: target,
-            };
-            assert!(
-                SlabRay::new(&ray).entry(&point, 1.0).is_some(),
-                "{ray:?} {point:?}"
-            );
+            let point = Aabb { min: target, max: target };
+            assert!(SlabRay::new(&ray).entry(&point, 1.0).is_some(), "{ray:?} {point:?}");
             let ray = Ray::new(origin, b.max - origin);
             assert!(SlabRay::new(&ray).entry(&b, 1.0).is_some(), "{ray:?} {b:?}");
         }

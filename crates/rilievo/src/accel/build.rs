@@ -41,17 +41,10 @@ impl Bvh {
         let mut items: Vec<Item> = boxes.iter().enumerate().map(item).collect();
         let mut nodes = Vec::new();
         if !items.is_empty() {
-            let range = Range {
-                first: 0,
-                depth: 0,
-                leaf_items: leaf_items.max(1) as usize,
-            };
+            let range = Range { first: 0, depth: 0, leaf_items: leaf_items.max(1) as usize };
             range.build(&mut items, &mut nodes);
         }
-        Self {
-            nodes,
-            items: items.iter().map(|item| item.index).collect(),
-        }
+        Self { nodes, items: items.iter().map(|item| item.index).collect() }
     }
 }
 
@@ -66,39 +59,20 @@ struct Range {
 impl Range {
     /// Appends the subtree over `items` to `nodes`; node indices count from the start of `nodes`.
     fn build(self, items: &mut [Item], nodes: &mut Vec<Node>) {
-        let bounds = items
-            .iter()
-            .fold(Aabb::EMPTY, |b, item| b.union(item.bounds));
+        let bounds = items.iter().fold(Aabb::EMPTY, |b, item| b.union(item.bounds));
         let at = nodes.len();
         let Some(middle) = self.split(items, &bounds) else {
-            nodes.push(Node {
-                bounds,
-                first: self.first as u32,
-                count: items.len() as u32,
-            });
+            nodes.push(Node { bounds, first: self.first as u32, count: items.len() as u32 });
             return;
         };
-        nodes.push(Node {
-            bounds,
-            first: 0,
-            count: 0,
-        });
-        let left = Self {
-            depth: self.depth + 1,
-            ..self
-        };
-        let right = Self {
-            first: self.first + middle,
-            ..left
-        };
+        nodes.push(Node { bounds, first: 0, count: 0 });
+        let left = Self { depth: self.depth + 1, ..self };
+        let right = Self { first: self.first + middle, ..left };
         let parallel = items.len() >= PARALLEL;
         let (low, high) = items.split_at_mut(middle);
         if parallel {
             let (mut low_nodes, mut high_nodes) = (Vec::new(), Vec::new());
-            rayon::join(
-                || left.build(low, &mut low_nodes),
-                || right.build(high, &mut high_nodes),
-            );
+            rayon::join(|| left.build(low, &mut low_nodes), || right.build(high, &mut high_nodes));
             append(nodes, low_nodes);
             nodes[at].first = nodes.len() as u32;
             append(nodes, high_nodes);
@@ -123,9 +97,7 @@ impl Range {
             if items.len() <= self.leaf_items && leaf_cost <= NODE_COST * area + cut.cost {
                 return None;
             }
-            return Some(partition(items, |item| {
-                cut.bin(item, &centres) < cut.border
-            }));
+            return Some(partition(items, |item| cut.bin(item, &centres) < cut.border));
         }
         if items.len() <= self.leaf_items {
             return None;
@@ -133,9 +105,7 @@ impl Range {
         let middle = items.len() / 2;
         let axis = (0.5 * centres.max - 0.5 * centres.min).max_position();
         items.select_nth_unstable_by(middle, |a, b| {
-            a.centre[axis]
-                .total_cmp(&b.centre[axis])
-                .then(a.index.cmp(&b.index))
+            a.centre[axis].total_cmp(&b.centre[axis]).then(a.index.cmp(&b.index))
         });
         Some(middle)
     }
@@ -215,10 +185,7 @@ fn partition(items: &mut [Item], low: impl Fn(&Item) -> bool) -> usize {
 fn append(nodes: &mut Vec<Node>, subtree: Vec<Node>) {
     let base = nodes.len() as u32;
     nodes.extend(subtree.into_iter().map(|node| match node.count {
-        0 => Node {
-            first: node.first + base,
-            ..node
-        },
+        0 => Node { first: node.first + base, ..node },
         _ => node,
     }));
 }
@@ -230,20 +197,14 @@ mod tests {
 
     fn boxes(count: usize, seed: u64) -> Vec<Aabb> {
         let mut random = Random(seed);
-        let around = |centre: DVec3, half: DVec3| Aabb {
-            min: centre - half,
-            max: centre + half,
-        };
-        (0..count)
-            .map(|_| around(random.cube(), random.cube().abs() * 0.05))
-            .collect()
+        let around = |centre: DVec3, half: DVec3| Aabb { min: centre - half, max: centre + half };
+        (0..count).map(|_| around(random.cube(), random.cube().abs() * 0.05)).collect()
     }
 
     fn check(boxes: &[Aabb]) {
         for leaf_items in [0, 1, 4] {
             let tree = Bvh::build(boxes, leaf_items);
-            tree.validate(boxes, leaf_items.max(1))
-                .expect("well formed");
+            tree.validate(boxes, leaf_items.max(1)).expect("well formed");
             assert_eq!(tree.len(), boxes.len());
         }
     }
@@ -261,24 +222,12 @@ mod tests {
     fn builds_over_degenerate_boxes() {
         let one = boxes(1, 5)[0];
         check(&vec![one; 1000]);
-        let all = Aabb {
-            min: DVec3::NEG_INFINITY,
-            max: DVec3::INFINITY,
-        };
+        let all = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
         check(&vec![all; 100]);
         check(&vec![Aabb::EMPTY; 100]);
-        let huge = Aabb {
-            min: DVec3::splat(-f64::MAX),
-            max: DVec3::splat(f64::MAX),
-        };
-        let far = Aabb {
-            min: DVec3::splat(1e300),
-            max: DVec3::splat(f64::MAX),
-        };
-        let half = Aabb {
-            min: DVec3::ZERO,
-            max: DVec3::INFINITY,
-        };
+        let huge = Aabb { min: DVec3::splat(-f64::MAX), max: DVec3::splat(f64::MAX) };
+        let far = Aabb { min: DVec3::splat(1e300), max: DVec3::splat(f64::MAX) };
+        let half = Aabb { min: DVec3::ZERO, max: DVec3::INFINITY };
         let mut mixed = boxes(500, 7);
         mixed.extend([all, huge, far, half, Aabb::EMPTY]);
         check(&mixed);

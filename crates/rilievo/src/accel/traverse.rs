@@ -61,10 +61,7 @@ impl Bvh {
         mut leaf: impl FnMut(u32, &mut Ray, &mut P) -> bool,
     ) -> bool {
         let slab = SlabRay::new(ray);
-        let mut waiting = Waiting {
-            nodes: [(0, 0.0); MAX_DEPTH + 1],
-            len: 0,
-        };
+        let mut waiting = Waiting { nodes: [(0, 0.0); MAX_DEPTH + 1], len: 0 };
         if let Some(root) = self.nodes.first()
             && let Some(entry) = slab.entry(&root.bounds, ray.t_max)
         {
@@ -118,17 +115,11 @@ mod tests {
 
     /// Entry into the smallest box number among the nearest, by the tree and one by one.
     fn compare(boxes: &[Aabb], leaf_items: u32, ray: &Ray) {
-        let stored: Vec<Aabb> = boxes
-            .iter()
-            .map(|b| b.grown(GROWTH * b.largest_coordinate()))
-            .collect();
+        let stored: Vec<Aabb> =
+            boxes.iter().map(|b| b.grown(GROWTH * b.largest_coordinate())).collect();
         let slab = SlabRay::new(ray);
         let nearer = |best: Option<(f64, u32)>, new: (f64, u32)| {
-            if best.is_some_and(|b| b < new) {
-                best
-            } else {
-                Some(new)
-            }
+            if best.is_some_and(|b| b < new) { best } else { Some(new) }
         };
         let mut brute = None;
         for (item, b) in stored.iter().enumerate() {
@@ -178,16 +169,10 @@ mod tests {
                 // On a coarse lattice boxes coincide and rays run along their faces.
                 let centre = (random.cube() * 4.0).round() / 4.0;
                 let half = random.cube().abs() * size;
-                boxes.push(Aabb {
-                    min: centre - half,
-                    max: centre + half,
-                });
+                boxes.push(Aabb { min: centre - half, max: centre + half });
             }
             if case % 5 == 0 {
-                boxes.push(Aabb {
-                    min: DVec3::NEG_INFINITY,
-                    max: DVec3::INFINITY,
-                });
+                boxes.push(Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY });
                 boxes.push(Aabb::EMPTY);
             }
             for _ in 0..50 {
@@ -204,10 +189,7 @@ mod tests {
     fn visits_few_nodes_front_to_back() {
         let boxes: Vec<Aabb> = (0..1024)
             .map(|i| f64::from(i) * DVec3::X)
-            .map(|p| Aabb {
-                min: p,
-                max: p + DVec3::new(0.5, 1.0, 1.0),
-            })
+            .map(|p| Aabb { min: p, max: p + DVec3::new(0.5, 1.0, 1.0) })
             .collect();
         let tree = Bvh::build(&boxes, 1);
         let ray = Ray::new(DVec3::new(-1.0, 0.5, 0.5), DVec3::X);
@@ -223,10 +205,7 @@ mod tests {
 
     #[test]
     fn rays_that_are_no_rays_do_not_panic() {
-        let boxes = [Aabb {
-            min: DVec3::ZERO,
-            max: DVec3::ONE,
-        }; 9];
+        let boxes = [Aabb { min: DVec3::ZERO, max: DVec3::ONE }; 9];
         let tree = Bvh::build(&boxes, 1);
         for bad in [f64::NAN, f64::INFINITY, 0.0] {
             let ray = Ray::new(DVec3::splat(bad), DVec3::splat(bad));

@@ -77,10 +77,7 @@ impl Bvh {
                 }
             }
         }
-        match (
-            named.iter().position(|seen| !seen),
-            reached.iter().position(|seen| !seen),
-        ) {
+        match (named.iter().position(|seen| !seen), reached.iter().position(|seen| !seen)) {
             (Some(item), _) => Err(BvhError::Item(item as u32)),
             (_, Some(node)) => Err(BvhError::Node(node as u32)),
             _ => Ok(()),
@@ -97,10 +94,7 @@ mod tests {
     fn sound() -> (Vec<Aabb>, Bvh) {
         let boxes: Vec<Aabb> = (0..8)
             .map(|i| f64::from(i) * DVec3::X)
-            .map(|p| Aabb {
-                min: p,
-                max: p + 0.5,
-            })
+            .map(|p| Aabb { min: p, max: p + 0.5 })
             .collect();
         let tree = Bvh::build(&boxes, 1);
         (boxes, tree)
@@ -118,35 +112,14 @@ mod tests {
         };
         assert_eq!(damaged(&|b| b.nodes[0].first = 99), BvhError::Child(0));
         assert_eq!(damaged(&|b| b.nodes[0].first = 0), BvhError::Child(0));
-        assert_eq!(
-            damaged(&|b| b.nodes[leaf].count = 2),
-            BvhError::Leaf(leaf as u32)
-        );
-        assert_eq!(
-            damaged(&|b| b.nodes[leaf].first = 99),
-            BvhError::Leaf(leaf as u32)
-        );
-        assert!(matches!(
-            damaged(&|b| b.items[0] = b.items[1]),
-            BvhError::Item(_)
-        ));
-        assert!(matches!(
-            damaged(&|b| b.items.swap(0, 7)),
-            BvhError::Bounds(_)
-        ));
-        assert!(matches!(
-            damaged(&|b| b.nodes[leaf].bounds.max.x -= 0.3),
-            BvhError::Bounds(_)
-        ));
-        assert!(matches!(
-            damaged(&|b| b.nodes[0].first = 1),
-            BvhError::Node(_)
-        ));
+        assert_eq!(damaged(&|b| b.nodes[leaf].count = 2), BvhError::Leaf(leaf as u32));
+        assert_eq!(damaged(&|b| b.nodes[leaf].first = 99), BvhError::Leaf(leaf as u32));
+        assert!(matches!(damaged(&|b| b.items[0] = b.items[1]), BvhError::Item(_)));
+        assert!(matches!(damaged(&|b| b.items.swap(0, 7)), BvhError::Bounds(_)));
+        assert!(matches!(damaged(&|b| b.nodes[leaf].bounds.max.x -= 0.3), BvhError::Bounds(_)));
+        assert!(matches!(damaged(&|b| b.nodes[0].first = 1), BvhError::Node(_)));
         assert_eq!(tree.validate(&boxes[..7], 1), Err(BvhError::Item(7)));
-        let bad = Bvh {
-            nodes: tree.nodes.clone(),
-            items: vec![0; 8],
-        };
+        let bad = Bvh { nodes: tree.nodes.clone(), items: vec![0; 8] };
         assert!(bad.validate(&[boxes[0].union(boxes[7]); 8], 1).is_err());
     }
 }

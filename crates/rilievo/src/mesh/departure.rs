@@ -2,16 +2,15 @@
 //!
 //! The start of a ray that leaves a surface is off it by rounding. Next to an edge it may lie on
 //! the wrong side of the neighbour: a ray into the neighbour would then leak, and a ray away from
-//! it would be stopped. An interval `t > epsilon` mends neither. But where a start lies *on* a
-//! neighbour's plane to rounding, geometry decides without looking at `t`:
+//! it would be stopped. An interval `t > epsilon` mends neither. Geometry decides:
 //!
-//! * a planar primitive's ray never meets what lies wholly behind the side it leaves (this holds
-//!   for coplanar neighbours, and around convex edges);
-//! * if the surface left lies wholly on one side of the neighbour's plane, so does the true start:
-//!   a ray towards that side never meets the neighbour, any other one does, at `t = 0` at least.
+//! * A ray that leaves a planar primitive never meets what lies wholly on or behind its plane, as
+//!   seen from the side it leaves to. So do coplanar neighbours, and those around convex edges.
+//! * Where the start lies *on* a neighbour's plane to rounding, and the surface left lies wholly
+//!   on one side of that plane, so does the true start: a ray towards that side never meets the
+//!   neighbour, any other one does, at `t = 0` at least.
 //!
-//! Only where the surface left passes through the neighbour's plane does the sign of the computed
-//! `t` decide.
+//! Elsewhere the sign of the computed `t` is right and decides.
 
 use glam::DVec3;
 
@@ -23,26 +22,31 @@ const ON_PLANE: f64 = 32.0 * f64::EPSILON;
 /// Relative error of a computed normal, in products of its two edges.
 const NORMAL_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// The planar primitive that a ray leaves, and the side to which it leaves.
+/// The surface that a ray leaves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Departure {
-    corners: [DVec3; 4],
-    plane: Plane,
-    /// Leaves to the side its plane's normal points to.
-    front: bool,
+    /// The surface lies in the hull of these points; some may be the same.
+    hull: [DVec3; 8],
+    /// Of a planar surface: its plane, and whether the ray leaves to where the normal points.
+    plane: Option<(Plane, bool)>,
 }
 
 impl Departure {
     /// Leaving a triangle.
     pub(crate) fn from_triangle(corners: [DVec3; 3], front: bool) -> Self {
         let [a, b, c] = corners;
-        Self { corners: [a, b, c, c], plane: Plane::through(&corners), front }
+        Self { hull: [a, b, c, c, c, c, c, c], plane: Some((Plane::through(&corners), front)) }
     }
 
     /// Leaving a parallelogram.
     pub(crate) fn from_parallelogram(corners: [DVec3; 4], front: bool) -> Self {
-        let [a, b, _, d] = corners;
-        Self { corners, plane: Plane::through(&[a, b, d]), front }
+        let [a, b, c, d] = corners;
+        Self { hull: [a, b, c, d, d, d, d, d], plane: Some((Plane::through(&[a, b, d]), front)) }
+    }
+
+    /// Leaving a surface that fills a shell.
+    pub(crate) fn from_shell(hull: [DVec3; 8]) -> Self {
+        Self { hull, plane: None }
     }
 
     /// The parameter, at least 0, at which a ray that starts at `start` meets the triangle
@@ -54,16 +58,18 @@ impl Departure {
         corners: &[DVec3; 3],
         crossing: &Crossing,
     ) -> Option<f64> {
+        if let Some((own, front)) = &self.plane {
+            let leaving = if *front { Side::Front } else { Side::Back };
+            if corners.iter().all(|&p| own.side(p, 0.0) != leaving) {
+                return None;
+            }
+        }
         let plane = Plane::through(corners);
         let at_or_after = (crossing.t >= 0.0).then_some(crossing.t);
-        if plane.side(start) != Side::On {
+        if plane.side(start, ON_PLANE) != Side::On {
             return at_or_after;
         }
-        let leaving = if self.front { Side::Front } else { Side::Back };
-        if corners.iter().all(|&p| self.plane.side(p) != leaving) {
-            return None;
-        }
-        let sides = self.corners.map(|p| plane.side(p));
+        let sides = self.hull.map(|p| plane.side(p, ON_PLANE));
         match (sides.contains(&Side::Front), sides.contains(&Side::Back)) {
             (true, true) => at_or_after,
             (true, false) => crossing.front.then_some(crossing.t.max(0.0)),
@@ -106,11 +112,13 @@ impl Plane {
         }
     }
 
-    fn side(&self, p: DVec3) -> Side {
+    /// The side of `p`, which is itself known to the fraction `error` of its largest coordinate
+    /// or the plane's.
+    fn side(&self, p: DVec3, error: f64) -> Side {
         let r = p - self.point;
         let height = self.normal.dot(r);
         let reach = self.reach.max(p.abs().max_element());
-        let bound = ON_PLANE * self.length * reach + NORMAL_ERROR * self.edges * r.length();
+        let bound = error * self.length * reach + NORMAL_ERROR * self.edges * r.length();
         if height > bound {
             Side::Front
         } else if height < -bound {

@@ -1,0 +1,119 @@
+//! Surfaces of every kind, and the world that holds them.
+//!
+//! [`Surface`] is a closed set: one `match` for each question, no trait objects. [`World`] puts
+//! surfaces into a BVH and sees to it that a ray which leaves one of them is treated as such by
+//! that one alone; to its flat neighbours it says which surface the ray leaves, so that edges
+//! between surfaces are as tight as those within a mesh.
+
+mod quad;
+mod sphere;
+mod world;
+
+pub use quad::{Quad, QuadError};
+pub use sphere::{Sphere, SphereError};
+pub use world::World;
+
+use glam::DVec3;
+
+use crate::accel::Aabb;
+use crate::hit::Hit;
+use crate::mesh::Mesh;
+use crate::mesh::departure::Departure;
+use crate::probe::Probe;
+use crate::ray::{Origin, Ray};
+use crate::relief::ReliefFace;
+
+/// Anything a ray can meet.
+#[derive(Clone, Debug)]
+pub enum Surface {
+    /// An undisplaced quadrilateral.
+    Quad(Quad),
+    /// An undisplaced sphere.
+    Sphere(Sphere),
+    /// An undisplaced triangle mesh.
+    Mesh(Mesh),
+    /// A displaced parallelogram.
+    Face(ReliefFace),
+}
+
+impl Surface {
+    /// The nearest hit within `0 <= t <= t_max`. `ray.from`, if any, is on this surface;
+    /// `hit.surface` is 0.
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let departure = ray.from.and_then(|from| self.departure(from));
+        self.closest_after(ray, departure.as_ref(), probe)
+    }
+
+    /// Whether the surface is met within `0 <= t <= t_max`; rays as for [`Surface::closest`].
+    pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let departure = ray.from.and_then(|from| self.departure(from));
+        self.occludes_after(ray, departure.as_ref(), probe)
+    }
+
+    /// A box around the surface; empty if nothing of it can be hit.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Quad(quad) => quad.bounds(),
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Face(face) => face.bounds(),
+        }
+    }
+
+    /// What flat neighbours should know of a ray that starts at `from`, on this surface.
+    fn departure(&self, from: Origin) -> Option<Departure> {
+        match self {
+            Self::Quad(quad) => quad.departure(from),
+            Self::Sphere(_) => None,
+            Self::Mesh(mesh) => mesh.departure(from),
+            Self::Face(face) => Some(Departure::from_shell(shell(face))),
+        }
+    }
+
+    /// [`Surface::closest`] for a ray that leaves `departure`, of this or another surface.
+    fn closest_after<P: Probe>(
+        &self,
+        ray: &Ray,
+        departure: Option<&Departure>,
+        probe: &mut P,
+    ) -> Option<Hit> {
+        match self {
+            Self::Quad(quad) => quad.closest_after(ray, departure),
+            Self::Sphere(sphere) => sphere.closest(ray),
+            Self::Mesh(mesh) => mesh.closest_after(ray, departure, probe),
+            Self::Face(face) => face.closest(ray, probe),
+        }
+    }
+
+    /// [`Surface::occludes`] for a ray that leaves `departure`, of this or another surface.
+    fn occludes_after<P: Probe>(
+        &self,
+        ray: &Ray,
+        departure: Option<&Departure>,
+        probe: &mut P,
+    ) -> bool {
+        match self {
+            Self::Quad(quad) => quad.occludes_after(ray, departure),
+            Self::Sphere(sphere) => sphere.occludes(ray),
+            Self::Mesh(mesh) => mesh.occludes_after(ray, departure, probe),
+            Self::Face(face) => face.occludes(ray, probe),
+        }
+    }
+}
+
+/// The corners of the shell that a face fills: its base at the smallest and the largest offset,
+/// and at 0 as well if it has walls.
+fn shell(face: &ReliefFace) -> [DVec3; 8] {
+    let [corner, edge_u, edge_v, normal] = face.frame();
+    let heights = face.relief().heights();
+    let displacement = face.options().displacement;
+    let offset = |raw| displacement.scale * (f64::from(raw) * heights.unit() - displacement.zero);
+    let (low, high) = heights.raw_range();
+    let mut ends = [offset(low), offset(high)];
+    if face.options().closed {
+        let [a, b] = ends;
+        ends = [a.min(b).min(0.0), a.max(b).max(0.0)];
+    }
+    let base = [corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v];
+    std::array::from_fn(|k| base[k % 4] + ends[k / 4] * normal)
+}

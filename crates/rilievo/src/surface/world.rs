@@ -1,0 +1,236 @@
+//! [`World`]: surfaces under one tree.
+
+use crate::accel::{Aabb, Bvh};
+use crate::hit::Hit;
+use crate::mesh::departure::Departure;
+use crate::probe::Probe;
+use crate::ray::Ray;
+
+use super::Surface;
+
+/// Surfaces by index, ready to trace.
+#[derive(Clone, Debug)]
+pub struct World {
+    surfaces: Vec<Surface>,
+    tree: Bvh,
+}
+
+impl World {
+    /// Builds the tree over `surfaces`; hits name them by their place in the list.
+    pub fn new(surfaces: Vec<Surface>) -> Self {
+        let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
+        Self { tree: Bvh::build(&boxes, 1), surfaces }
+    }
+
+    /// The surfaces, in order.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// A box around everything.
+    pub fn bounds(&self) -> Aabb {
+        self.tree.bounds()
+    }
+
+    /// The nearest hit within `0 <= t <= t_max`; of several at the same `t`, that of the surface
+    /// with the smallest index. `ray.from`, if any, names a surface of this world.
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let departure = self.departure(ray);
+        let mut best: Option<Hit> = None;
+        self.tree.closest(ray, probe, |index, ray, probe| {
+            let surface = &self.surfaces[index as usize];
+            let hit = surface.closest_after(&seen_by(index, ray), departure.as_ref(), probe);
+            let Some(hit) = hit else { return };
+            if best.is_none_or(|b| hit.t < b.t || (hit.t == b.t && index < b.surface)) {
+                ray.t_max = hit.t;
+                best = Some(Hit { surface: index, ..hit });
+            }
+        });
+        best
+    }
+
+    /// Whether anything is met within `0 <= t <= t_max`; rays as for [`World::closest`].
+    pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let departure = self.departure(ray);
+        self.tree.any(ray, probe, |index, ray, probe| {
+            let surface = &self.surfaces[index as usize];
+            surface.occludes_after(&seen_by(index, ray), departure.as_ref(), probe)
+        })
+    }
+
+    fn departure(&self, ray: &Ray) -> Option<Departure> {
+        let from = ray.from?;
+        self.surfaces.get(from.surface as usize)?.departure(from)
+    }
+}
+
+/// The ray as surface `index` sees it: with its origin only if that is on this surface.
+fn seen_by(index: u32, ray: &Ray) -> Ray {
+    Ray { from: ray.from.filter(|from| from.surface == index), ..*ray }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+    use crate::accel::random::Random;
+    use crate::mesh::{Mesh, MeshData, Triangle};
+    use crate::surface::{Quad, Sphere};
+
+    fn quad(corners: [DVec3; 4]) -> Surface {
+        Surface::Quad(Quad::new(corners, false).expect("valid"))
+    }
+
+    /// The six sides of `center + turn * scale * [-1, 1]^3`; normals point in, or out where a bit
+    /// of `flips` is set.
+    fn closed_box(center: DVec3, turn: DMat3, flips: u32) -> World {
+        let side = |k: u32| {
+            let axis = DVec3::AXES[k as usize / 2] * if k % 2 == 0 { 1.0 } else { -1.0 };
+            let u = DVec3::new(axis.z, axis.x, axis.y);
+            let v = if flips >> k & 1 == 1 { u.cross(-axis) } else { u.cross(axis) };
+            // Corner by corner from the cube's, so that neighbours share them bit for bit.
+            let corners = [-u - v, u - v, u + v, v - u];
+            quad(corners.map(|c| center + turn * (c - axis)))
+        };
+        World::new((0..6).map(side).collect())
+    }
+
+    fn boxes() -> Vec<(DVec3, f64, World)> {
+        let far = DVec3::new(148376.0, 1234.0, -223423.0);
+        let turn = DMat3::from_rotation_x(0.3) * DMat3::from_rotation_z(1.1);
+        let mut all = Vec::new();
+        for (center, size) in [(DVec3::ZERO, 1.0), (far, 1.0), (far, 1e-3), (DVec3::ONE, 1e6)] {
+            for (turn, flips) in [(DMat3::IDENTITY, 0), (turn, 0b011010)] {
+                all.push((center, size, closed_box(center, turn * size, flips)));
+            }
+        }
+        all
+    }
+
+    /// A target on a side: a corner, a point on an edge, or anything.
+    fn target(world: &World, random: &mut Random) -> DVec3 {
+        let Surface::Quad(quad) = &world.surfaces()[random.below(6)] else { unreachable!() };
+        let [a, b, c, d] = quad.corners();
+        match random.below(4) {
+            0 => a,
+            1 => a.midpoint(b),
+            2 => b.lerp(c, random.unit()),
+            _ => a.lerp(b, random.unit()).lerp(d.lerp(c, random.unit()), random.unit()),
+        }
+    }
+
+    #[test]
+    fn a_closed_box_keeps_rays_in_and_light_out() {
+        let mut random = Random(83);
+        for (center, size, world) in boxes() {
+            for case in 0..125_000 {
+                let origin = center + 0.5 * size * random.cube();
+                let direction = match case % 2 {
+                    0 => random.direction(),
+                    _ => target(&world, &mut random) - origin,
+                };
+                let hit = world.closest(&Ray::new(origin, direction), &mut ()).expect("escaped");
+                // Shadow rays to points far outside are stopped, wherever they start.
+                let outside = center + 100.0 * size * random.direction();
+                let inward = (center - hit.position).dot(hit.geometric_normal) > 0.0;
+                let shadow = hit.spawn_to(outside);
+                let from = shadow.from.expect("spawned");
+                if from.front == inward {
+                    assert!(world.occluded(&shadow, &mut ()), "leak: {shadow:?}");
+                }
+                let aimed = hit.spawn(target(&world, &mut random) - hit.position);
+                if aimed.is_valid() && aimed.from.expect("spawned").front == inward {
+                    let next = world.closest(&aimed, &mut ());
+                    let next = next.unwrap_or_else(|| panic!("leak: {aimed:?} {hit:?}"));
+                    assert!(next.surface != hit.surface, "own start: {aimed:?}");
+                }
+                assert!(world.occluded(&Ray::between(outside, origin), &mut ()));
+                // And to points well inside they are free.
+                assert!(!world.occluded(&hit.spawn_to(center), &mut ()), "stopped at {hit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_thousand_rays_from_a_thousand_hits_on_a_quad() {
+        let mut random = Random(97);
+        let (_, _, world) = boxes().swap_remove(1);
+        for _ in 0..1000 {
+            let ray = Ray::new(0.5 * random.cube(), random.direction());
+            let hit = world.closest(&ray, &mut ()).expect("escaped");
+            for _ in 0..1000 {
+                let spawned = hit.spawn(random.direction());
+                let inward = spawned.direction.dot(-hit.position) > 0.0
+                    && hit.geometric_normal.dot(spawned.direction)
+                        * hit.geometric_normal.dot(-hit.position)
+                        > 0.0;
+                let next = world.closest(&spawned, &mut ());
+                assert!(next.is_none_or(|n| n.surface != hit.surface && n.t > 0.0));
+                assert!(!inward || next.is_some());
+            }
+        }
+    }
+
+    #[test]
+    fn flat_surfaces_on_one_plane_do_not_shadow_each_other() {
+        // Two tiles with a common edge, and a mesh triangle lying over both.
+        let tile = |x: f64| {
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[u, v]| DVec3::new(x + u, v, 0.0))
+        };
+        let corners = vec![DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y];
+        let triangle = Triangle { positions: [0, 1, 2], normals: None, uvs: None };
+        let data = MeshData { positions: corners, triangles: vec![triangle], ..Default::default() };
+        let mesh = Surface::Mesh(Mesh::new(data).expect("valid"));
+        let world = World::new(vec![quad(tile(0.0)), mesh, quad(tile(1.0))]);
+        let mut random = Random(101);
+        for x in [0.5, 1.0, 1.0 - 1e-16, 1.0 + 1e-13] {
+            let down = Ray::new(DVec3::new(x, 0.25, 1.0), -DVec3::Z);
+            let hit = world.closest(&down, &mut ()).expect("hit");
+            // All lie at t = 1: the smallest index wins.
+            assert_eq!((hit.t, hit.surface), (1.0, u32::from(x > 1.0 + 1e-14)));
+            for _ in 0..1000 {
+                assert!(!world.occluded(&hit.spawn(random.direction()), &mut ()));
+            }
+        }
+    }
+
+    #[test]
+    fn equals_every_surface_tried_in_turn() {
+        let mut random = Random(103);
+        let mut surfaces = Vec::new();
+        for k in 0..60 {
+            let (c, u, v) = (2.0 * random.cube(), random.cube(), random.cube());
+            surfaces.push(match k % 2 {
+                0 => quad([c, c + u, c + u + v, c + v]),
+                _ => Surface::Sphere(Sphere::new(c, 0.1 + 0.4 * random.unit()).expect("valid")),
+            });
+        }
+        let world = World::new(surfaces);
+        assert!(world.surfaces().iter().all(|s| world.bounds().contains(&s.bounds())));
+        for case in 0..20_000 {
+            let mut ray = Ray::new(3.0 * random.cube(), random.direction());
+            ray.t_max = if case % 4 == 0 { 2.0 } else { f64::INFINITY };
+            let hit = world.closest(&ray, &mut ());
+            let brute = world.surfaces().iter().enumerate().filter_map(|(index, surface)| {
+                let hit = surface.closest(&ray, &mut ())?;
+                assert!(surface.occludes(&ray, &mut ()));
+                Some(Hit { surface: index as u32, ..hit })
+            });
+            let brute = brute.min_by(|a, b| a.t.total_cmp(&b.t));
+            assert_eq!(hit, brute);
+            assert_eq!(hit.is_some(), world.occluded(&ray, &mut ()));
+        }
+    }
+
+    #[test]
+    fn an_empty_world_and_a_foreign_origin_are_no_trouble() {
+        let empty = World::new(Vec::new());
+        assert!(empty.bounds().is_empty() && empty.surfaces().is_empty());
+        let (_, _, world) = boxes().swap_remove(0);
+        let mut ray = world.closest(&Ray::new(DVec3::ZERO, DVec3::X), &mut ()).expect("hit");
+        ray.surface = 999;
+        assert_eq!(empty.closest(&ray.spawn(DVec3::X), &mut ()), None);
+        assert!(world.closest(&ray.spawn(-DVec3::X), &mut ()).is_some());
+    }
+}
