@@ -100,13 +100,14 @@ impl<'a> Distributed<'a> {
         (hit, facing): (&Hit, &Facing),
         path: Path,
     ) -> Rgb {
+        let Some(view) = light.view(hit.position) else { return Rgb::ZERO };
         let count = self.scene.settings().shadow_samples;
         let dimension = Dimension::Light { depth: path.depth, light: index };
         let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let mut sum = Rgb::ZERO;
         for k in 0..count {
             let u = strata.point(path.strand.split(k, count).index);
-            let Some(sample) = light.sample(hit.position, u) else {
+            let Some(sample) = view.sample(u) else {
                 continue;
             };
             let cosine = sample.direction.dot(facing.shading);

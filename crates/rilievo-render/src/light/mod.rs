@@ -5,12 +5,16 @@
 //! from them through shadow rays. Emitting meshes, reliefs and walls only glow.
 
 mod quad;
+mod rectangle;
 mod sphere;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rilievo::surface::Surface;
 
 use crate::colour::Rgb;
+
+use quad::QuadView;
+use sphere::Cone;
 
 pub use quad::QuadLight;
 pub use sphere::SphereLight;
@@ -18,7 +22,7 @@ pub use sphere::SphereLight;
 /// An emitter that is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// A parallelogram, sampled uniformly by area.
+    /// A parallelogram, sampled by solid angle or area.
     Quad(QuadLight),
     /// A sphere, sampled uniformly over the cone it fills.
     Sphere(SphereLight),
@@ -65,12 +69,35 @@ impl Light {
         }
     }
 
-    /// A point of the light for `u` in `[0, 1)^2`, as seen from `point`; nothing where its front
-    /// is not seen from there.
-    pub fn sample(&self, point: DVec3, u: glam::DVec2) -> Option<LightSample> {
-        match self {
-            Self::Quad(quad) => quad.sample(point, u),
-            Self::Sphere(sphere) => sphere.sample(point, u),
+    /// The light as seen from `point`; nothing where its front is not seen from there.
+    pub fn view(&self, point: DVec3) -> Option<LightView<'_>> {
+        let shape = match self {
+            Self::Quad(quad) => Shape::Quad(quad, quad.view(point)?),
+            Self::Sphere(sphere) => Shape::Sphere(sphere, sphere.view(point)?),
+        };
+        Some(LightView { point, shape })
+    }
+}
+
+/// A light as seen from a point: what all samples from there share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightView<'a> {
+    point: DVec3,
+    shape: Shape<'a>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape<'a> {
+    Quad(&'a QuadLight, QuadView),
+    Sphere(&'a SphereLight, Cone),
+}
+
+impl LightView<'_> {
+    /// The point of the light for `u` in `[0, 1)^2`; nothing where rounding hides its front.
+    pub fn sample(&self, u: DVec2) -> Option<LightSample> {
+        match &self.shape {
+            Shape::Quad(quad, view) => quad.sample(self.point, view, u),
+            Shape::Sphere(sphere, cone) => Some(sphere.sample(self.point, cone, u)),
         }
     }
 }
@@ -88,13 +115,13 @@ mod tests {
     use super::*;
     use crate::sampler::chi_square::independent_points;
 
-    /// Mean of `cosine * weight` over independent samples, its standard error, and the sine-cosine
-    /// checks that every sample must pass.
+    /// Mean of `cosine * weight` over independent samples and its standard error.
     fn irradiance(light: &Light, point: DVec3, normal: DVec3) -> (f64, f64) {
         let n = 200_000;
         let (mut sum, mut squares) = (0.0, 0.0);
+        let view = light.view(point).unwrap();
         for u in independent_points(n) {
-            let Some(sample) = light.sample(point, u) else {
+            let Some(sample) = view.sample(u) else {
                 continue;
             };
             let way = sample.position - point;
@@ -108,20 +135,42 @@ mod tests {
         (mean, ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt())
     }
 
+    /// Irradiance at the origin, facing +z, from radiance 2 over x in [0, 2] and y in [0, 3].
+    fn corner_formula(height: f64) -> f64 {
+        let (a, b) = (2.0 / height, 3.0 / height);
+        let half = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
+        half(a, b) + half(b, a)
+    }
+
+    fn parallelogram(corners: [[f64; 2]; 4], height: f64) -> Light {
+        let corners = corners.map(|[x, y]| DVec3::new(x, y, height));
+        Light::Quad(QuadLight::new(corners, 0, Rgb::splat(2.0)))
+    }
+
     #[test]
     fn parallel_rectangle() {
-        // A 2 x 3 light at height 1.5 with a corner above the point, radiance 2.
-        let corners =
-            [[0.0, 0.0], [0.0, 3.0], [2.0, 3.0], [2.0, 0.0]].map(|[x, y]| DVec3::new(x, y, 1.5));
-        let light = Light::Quad(QuadLight::new(corners, 0, Rgb::splat(2.0)));
-        let (a, b): (f64, f64) = (2.0 / 1.5, 3.0 / 1.5);
-        let half = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
-        let expected = 2.0 * 0.5 * (half(a, b) + half(b, a));
-        let (mean, error) = irradiance(&light, DVec3::ZERO, DVec3::Z);
-        assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");
-        assert!(error < 0.01 * expected);
-        // From above, its back is seen.
-        assert!(light.sample(DVec3::splat(3.0), glam::DVec2::splat(0.5)).is_none());
+        // Close, where samples go by solid angle, and far, where they go by area.
+        for height in [0.1, 1.5, 500.0] {
+            let light = parallelogram([[0.0, 0.0], [0.0, 3.0], [2.0, 3.0], [2.0, 0.0]], height);
+            let expected = corner_formula(height);
+            let (mean, error) = irradiance(&light, DVec3::ZERO, DVec3::Z);
+            let bound = 4.0 * error + 1e-9 * expected;
+            assert!((mean - expected).abs() < bound, "{mean} +- {error}, not {expected}");
+            assert!(error < 0.01 * expected);
+            // From above, its back is seen.
+            assert!(light.view(DVec3::Z * (height + 1.0)).is_none());
+        }
+    }
+
+    #[test]
+    fn mirrored_parallelograms() {
+        // Not rectangles: sampled by area.
+        let left = parallelogram([[0.0, 0.0], [-1.0, 3.0], [1.0, 3.0], [2.0, 0.0]], 1.0);
+        let right = parallelogram([[0.0, 0.0], [1.0, 3.0], [3.0, 3.0], [2.0, 0.0]], 1.0);
+        // Each is the other's mirror image at x = 1.
+        let (a, a_error) = irradiance(&left, DVec3::ZERO, DVec3::Z);
+        let (b, b_error) = irradiance(&right, DVec3::X * 2.0, DVec3::Z);
+        assert!((a - b).abs() < 4.0 * a_error.hypot(b_error), "{a} {b}");
     }
 
     #[test]
@@ -142,6 +191,6 @@ mod tests {
         }
         let emitted = Rgb::ONE;
         let light = Light::Sphere(SphereLight { center, radius: 1.0, surface: 0, emitted });
-        assert!(light.sample(center + 0.5, glam::DVec2::splat(0.5)).is_none());
+        assert!(light.view(center + 0.5).is_none());
     }
 }

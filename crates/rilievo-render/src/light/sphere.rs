@@ -1,6 +1,6 @@
 //! [`SphereLight`]: a sphere that emits outwards, sampled over the cone it fills.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::{LightSample, clear_share};
 use crate::colour::Rgb;
@@ -15,33 +15,47 @@ pub struct SphereLight {
     pub(super) emitted: Rgb,
 }
 
+/// The cone that a sphere fills, seen from a point outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cone {
+    /// From the point to the sphere's centre.
+    axis: DVec3,
+    /// Its z axis is the cone's.
+    world_from_cone: DMat3,
+    /// 1 less the cosine of the half angle.
+    height: f64,
+}
+
 impl SphereLight {
-    pub(super) fn sample(&self, point: DVec3, u: DVec2) -> Option<LightSample> {
+    /// The cone it fills, seen from `point`; nothing from inside, where only its back is seen.
+    pub(super) fn view(&self, point: DVec3) -> Option<Cone> {
         let axis = self.center - point;
         let distance = axis.length();
         let sin = self.radius / distance;
-        // From inside, only the dark back of the sphere is seen.
         if sin >= 1.0 {
             return None;
         }
-        // 1 - cos of the cone's half angle, without cancellation.
-        let sin2 = sin * sin;
-        let height = sin2 / (1.0 + (1.0 - sin2).sqrt());
-        let local = square_to_cone(u, height);
+        // 1 - cos without cancellation.
+        let height = sin * sin / (1.0 + (1.0 - sin * sin).sqrt());
         let forward = axis / distance;
         let (right, up) = forward.any_orthonormal_pair();
-        let direction = (local.x * right + local.y * up + local.z * forward).normalize();
+        Some(Cone { axis, world_from_cone: DMat3::from_cols(right, up, forward), height })
+    }
+
+    /// A point of the near side.
+    pub(super) fn sample(&self, point: DVec3, cone: &Cone, u: DVec2) -> LightSample {
+        let direction = (cone.world_from_cone * square_to_cone(u, cone.height)).normalize();
         // The nearer meeting with the sphere; at the rim the square root is held at 0.
-        let along = axis.dot(direction);
-        let beside = axis - along * direction;
+        let along = cone.axis.dot(direction);
+        let beside = cone.axis - along * direction;
         let half_chord = (self.radius * self.radius - beside.length_squared()).max(0.0).sqrt();
         let position = point + (along - half_chord) * direction;
         let normal = (position - self.center) / self.radius;
-        Some(LightSample {
+        LightSample {
             position,
             direction,
-            weight: self.emitted / square_to_cone_pdf(DVec3::Z, height),
+            weight: self.emitted / square_to_cone_pdf(DVec3::Z, cone.height),
             clear: clear_share(point, position, normal),
-        })
+        }
     }
 }
