@@ -86,7 +86,7 @@ impl<'a> Distributed<'a> {
     /// Irradiance from all lights on the viewer's side of the surface, W/m^2.
     fn irradiance(&mut self, hit: &Hit, facing: &Facing, path: Path) -> Rgb {
         let lights = self.scene.lights().iter().enumerate();
-        // A quad or a sphere is convex: it cannot light itself.
+        // A flat quad or a sphere cannot light itself.
         lights
             .filter(|(_, light)| light.surface() != hit.surface)
             .map(|(index, light)| self.irradiance_from(light, index as u32, (hit, facing), path))

@@ -2,11 +2,13 @@
 //!
 //! Every surface with an emitting material glows from its front side, seen directly and in
 //! reflections. Undisplaced quads and spheres are also *lights*: diffuse surfaces receive light
-//! from them through shadow rays. Emitting meshes, reliefs and walls only glow.
+//! from them through shadow rays. A light does not light its own surface, and emitting meshes and
+//! reliefs only glow.
 
 mod quad;
 mod rectangle;
 mod sphere;
+mod triangle;
 
 use glam::{DVec2, DVec3};
 use rilievo::surface::Surface;
@@ -18,12 +20,15 @@ use sphere::Cone;
 
 pub use quad::QuadLight;
 pub use sphere::SphereLight;
+pub use triangle::TriangleLight;
 
 /// An emitter that is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
     /// A parallelogram, sampled by solid angle or area.
     Quad(QuadLight),
+    /// A triangle, sampled by area.
+    Triangle(TriangleLight),
     /// A sphere, sampled uniformly over the cone it fills.
     Sphere(SphereLight),
 }
@@ -44,20 +49,28 @@ pub struct LightSample {
 }
 
 impl Light {
-    /// The light that a surface is, if its front emits and its shape can be sampled.
-    pub fn of_surface(surface: &Surface, index: u32, emitted: Rgb) -> Option<Self> {
+    /// The lights that a surface is, if its front emits and its shape can be sampled: one, or two
+    /// triangles for a quad that is no parallelogram.
+    pub(crate) fn of_surface(surface: &Surface, index: u32, emitted: Rgb) -> Vec<Self> {
         if emitted == Rgb::ZERO {
-            return None;
+            return Vec::new();
         }
         match surface {
-            Surface::Quad(quad) => Some(Self::Quad(QuadLight::new(quad.corners(), index, emitted))),
-            Surface::Sphere(sphere) => Some(Self::Sphere(SphereLight {
+            Surface::Quad(quad) if quad.is_parallelogram() => {
+                vec![Self::Quad(QuadLight::new(quad.corners(), index, emitted))]
+            }
+            Surface::Quad(quad) => {
+                let [c0, c1, c2, c3] = quad.corners();
+                let half = |corners| Self::Triangle(TriangleLight::new(corners, index, emitted));
+                vec![half([c0, c1, c2]), half([c0, c2, c3])]
+            }
+            Surface::Sphere(sphere) => vec![Self::Sphere(SphereLight {
                 center: sphere.center(),
                 radius: sphere.radius(),
                 surface: index,
                 emitted,
-            })),
-            Surface::Mesh(_) | Surface::Face(_) => None,
+            })],
+            Surface::Mesh(_) | Surface::Face(_) => Vec::new(),
         }
     }
 
@@ -65,6 +78,7 @@ impl Light {
     pub fn surface(&self) -> u32 {
         match self {
             Self::Quad(quad) => quad.surface,
+            Self::Triangle(triangle) => triangle.surface,
             Self::Sphere(sphere) => sphere.surface,
         }
     }
@@ -73,6 +87,7 @@ impl Light {
     pub fn view(&self, point: DVec3) -> Option<LightView<'_>> {
         let shape = match self {
             Self::Quad(quad) => Shape::Quad(quad, quad.view(point)?),
+            Self::Triangle(triangle) => Shape::Triangle(triangle),
             Self::Sphere(sphere) => Shape::Sphere(sphere, sphere.view(point)?),
         };
         Some(LightView { point, shape })
@@ -89,6 +104,7 @@ pub struct LightView<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape<'a> {
     Quad(&'a QuadLight, QuadView),
+    Triangle(&'a TriangleLight),
     Sphere(&'a SphereLight, Cone),
 }
 
@@ -97,6 +113,7 @@ impl LightView<'_> {
     pub fn sample(&self, u: DVec2) -> Option<LightSample> {
         match &self.shape {
             Shape::Quad(quad, view) => quad.sample(self.point, view, u),
+            Shape::Triangle(triangle) => triangle.sample(self.point, u),
             Shape::Sphere(sphere, cone) => Some(sphere.sample(self.point, cone, u)),
         }
     }

@@ -67,6 +67,17 @@ pub fn square_to_quad_pdf(edges: [DVec3; 2]) -> f64 {
     1.0 / edges[0].cross(edges[1]).length()
 }
 
+/// The triangle from `corner` along two edges, uniform.
+pub fn square_to_triangle(u: DVec2, corner: DVec3, edges: [DVec3; 2]) -> DVec3 {
+    let root = u.x.sqrt();
+    corner + root * (1.0 - u.y) * edges[0] + root * u.y * edges[1]
+}
+
+/// Density of [`square_to_triangle`], per unit area.
+pub fn square_to_triangle_pdf(edges: [DVec3; 2]) -> f64 {
+    2.0 / edges[0].cross(edges[1]).length()
+}
+
 /// Microfacet normals visible from `view` (unit, `view.z >= 0`), for GGX width `alpha > 0`.
 pub fn square_to_visible_normal(u: DVec2, view: DVec3, alpha: f64) -> DVec3 {
     let stretched = (view * DVec3::new(alpha, alpha, 1.0)).normalize_or(DVec3::Z);
@@ -162,5 +173,28 @@ mod tests {
         let center = corner + 0.5 * (edges[0] + edges[1]);
         assert!((sum / f64::from(n) - center).length() < 0.02);
         assert_eq!(square_to_quad_pdf(edges), 1.0 / 6.0);
+    }
+
+    #[test]
+    fn triangle_is_uniform() {
+        let mut observed = vec![0.0; 400];
+        for u in independent_points(200_000) {
+            // Barycentric coordinates; folded at the diagonal they are uniform over a square.
+            let p = square_to_triangle(u, DVec3::ZERO, [DVec3::X, DVec3::Y]);
+            assert!(p.x >= 0.0 && p.y >= 0.0 && p.x + p.y <= 1.0 + 1e-12);
+            let cell = |x: f64| ((x * 20.0) as usize).min(19);
+            observed[cell(p.x) * 20 + cell(p.y)] += 1.0;
+        }
+        let cells = (0..400).map(|cell| (cell / 20 + cell % 20, 1000.0));
+        let expected: Vec<f64> = cells
+            .map(|(diagonal, full)| match diagonal {
+                0..19 => full,
+                19 => 0.5 * full,
+                _ => 0.0,
+            })
+            .collect();
+        let z = chi_square_z(&observed, &expected);
+        assert!(z < 4.0, "{z}");
+        assert_eq!(square_to_triangle_pdf([DVec3::X, DVec3::Y * 4.0]), 0.5);
     }
 }

@@ -107,7 +107,7 @@ impl Scene {
         }
         parts.settings.check()?;
         let lights = names
-            .filter_map(|(index, &m)| {
+            .flat_map(|(index, &m)| {
                 let emitted = parts.materials[m as usize].emitted;
                 Light::of_surface(&surfaces[index], index as u32, emitted)
             })

@@ -132,6 +132,33 @@ fn a_sphere_light_lights_by_its_solid_angle() {
     assert!((mean / expected - 1.0).abs() < 2e-3, "{mean}, not {expected}");
 }
 
+/// Irradiance at `point`, facing +z, from a polygon of radiance 1 that lies above it: Lambert's
+/// sum over the edges.
+fn polygon_irradiance(corners: &[DVec3], point: DVec3) -> f64 {
+    let ways: Vec<DVec3> = corners.iter().map(|c| (c - point).normalize()).collect();
+    let next = ways.iter().cycle().skip(1);
+    let edges = ways.iter().zip(next).map(|(a, b)| a.angle_between(*b) * a.cross(*b).normalize().z);
+    0.5 * edges.sum::<f64>().abs()
+}
+
+#[test]
+fn a_quad_light_need_not_be_a_parallelogram() {
+    // Clockwise from above, so that the front looks down; the second is bent.
+    let trapezium = [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [1.0, 2.0, 1.0], [2.0, 0.0, 1.0]];
+    let bent = [[-1.0, -1.0, 1.0], [-1.0, 1.0, 1.5], [1.0, 1.0, 1.0], [1.0, -1.0, 1.5]];
+    for corners in [trapezium, bent] {
+        let corners = corners.map(DVec3::from_array);
+        let scene = Builder::default()
+            .quad(FLOOR, diffuse(1.0))
+            .corners(corners, emitter(Rgb::ONE))
+            .scene(camera([3.0, 0.0, 0.5], [0.5, 0.5, 0.0], 1e-3, [16, 16]), direct(256));
+        let (film, _) = pixel_centers(&scene);
+        let expected = polygon_irradiance(&corners, DVec3::new(0.5, 0.5, 0.0)) / PI;
+        let mean = film.radiance().iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / 256.0;
+        assert!((mean / expected - 1.0).abs() < 2e-3, "{mean}, not {expected}");
+    }
+}
+
 /// Coloured emitters above the plane z = 0.
 fn above_the_mirror() -> Builder {
     Builder::default()

@@ -26,8 +26,12 @@ pub struct Builder {
 
 impl Builder {
     /// Adds a two-sided quad from a corner and the edges along u and v.
-    pub fn quad(mut self, [corner, u, v]: [DVec3; 3], material: Material) -> Self {
-        let corners = [corner, corner + u, corner + u + v, corner + v];
+    pub fn quad(self, [corner, u, v]: [DVec3; 3], material: Material) -> Self {
+        self.corners([corner, corner + u, corner + u + v, corner + v], material)
+    }
+
+    /// Adds a two-sided quad with any corners.
+    pub fn corners(mut self, corners: [DVec3; 4], material: Material) -> Self {
         self.surfaces.push(Surface::Quad(Quad::new(corners, false).unwrap()));
         self.materials.push(material);
         self

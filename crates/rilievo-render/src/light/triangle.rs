@@ -1,0 +1,46 @@
+//! [`TriangleLight`]: one half of a quad that is no parallelogram, sampled uniformly by area.
+
+use glam::{DVec2, DVec3};
+
+use super::{LightSample, clear_share};
+use crate::colour::Rgb;
+use crate::sampler::warp::{square_to_triangle, square_to_triangle_pdf};
+
+/// A triangle that emits from the side on which its corners run counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleLight {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    /// Unit normal of the front.
+    normal: DVec3,
+    pub(super) surface: u32,
+    emitted: Rgb,
+}
+
+impl TriangleLight {
+    /// The light of a triangle with these corners.
+    pub(super) fn new(corners: [DVec3; 3], surface: u32, emitted: Rgb) -> Self {
+        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
+        let normal = edges[0].cross(edges[1]).normalize_or_zero();
+        Self { corner: corners[0], edges, normal, surface, emitted }
+    }
+
+    /// A point of the light; nothing where its front is not seen from `point`.
+    pub(super) fn sample(&self, point: DVec3, u: DVec2) -> Option<LightSample> {
+        let position = square_to_triangle(u, self.corner, self.edges);
+        let way = position - point;
+        let distance = way.length();
+        let cosine = -way.dot(self.normal) / distance;
+        // The cosine is NaN where `point` and `position` are the same.
+        if cosine.is_nan() || cosine <= 0.0 {
+            return None;
+        }
+        let pdf = square_to_triangle_pdf(self.edges) * distance * distance / cosine;
+        Some(LightSample {
+            position,
+            direction: way / distance,
+            weight: self.emitted / pdf,
+            clear: clear_share(point, position, self.normal),
+        })
+    }
+}
