@@ -1,9 +1,22 @@
 //! Maps: height maps and what is derived from them.
 
+mod distance;
 mod height;
 mod lattice;
+mod metric;
+mod normal;
+mod procedural;
 mod pyramid;
+mod statistics;
 
+pub use distance::{
+    Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
+    DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,
+};
 pub use height::{HeightMap, HeightMapError, Samples};
 pub use lattice::{Axis, Lattice, Run, Wrap};
+pub use metric::Metric;
+pub use normal::{NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels};
+pub use procedural::{Procedural, ProceduralError};
 pub use pyramid::{Bounds, Code, Level, Pyramid, PyramidViolation};
+pub use statistics::{HeightStatistics, Seam};

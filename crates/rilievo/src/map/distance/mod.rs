@@ -1,0 +1,394 @@
+//! [`DistanceMap`]: how far a ray may go from anywhere above or below a relief.
+//!
+//! A grid of distances over the stored cells of a height map, x and y in stored-cell coordinates
+//! (stored cell `c` is `[c, c + 1]`), z in raw heights. Distances are those of the surface in a
+//! *reference metric*, in its scene units.
+//!
+//! | kind | grid | stored | read | safe |
+//! |---|---|---|---|---|
+//! | [`DistanceKind::Published`] | nodes | brute force to texel points [Book2007] | trilinear | no |
+//! | [`DistanceKind::Boxes`] | voxels | voxel box to column boxes | its voxel | proven |
+//! | [`DistanceKind::Corrected`] | nodes | exact, by branch and bound | corrected | proven |
+//!
+//! *Safe* means: [`DistanceMap::safe_distance`] is never above the true distance to the continuous
+//! bilinear surface of the stored cells, rounding included. The proofs are at the heads of `boxes`
+//! and `corrected`; that quantisation and rounding keep them is at `domain` and `transform`.
+//!
+//! **Other faces.** A planar face maps lattice space to its plane by an affine map, and affine maps
+//! keep ray parameters. So a ray with lattice direction `d` may advance its parameter by
+//! `distance / |G d|`, with `G = diag(metric)` the *reference* metric, whatever the face's own size
+//! and depth. A face unlike the reference takes shorter steps, never wrong ones.
+//!
+//! **Wrap.** Only the map's own stored cells are sites. A walk asks run by run
+//! ([`Axis::run`](super::Axis::run)), and within a run there is nothing else.
+//!
+//! **Quantum.** Every column of the domain holds surface, so no point of it is farther from the
+//! surface than the domain is deep: quantum = depth / highest code, and nothing is clamped.
+
+mod boxes;
+mod codes;
+mod corrected;
+mod default_size;
+mod domain;
+mod exact;
+mod published;
+mod transform;
+mod verify;
+
+pub use codes::{Codes, DistanceBits};
+pub use exact::exact_distance;
+pub use verify::{DistanceViolation, UnsafeCodes};
+
+use super::{HeightMap, Metric, Pyramid};
+use boxes::Boxes;
+use codes::{Code, Quantiser};
+use corrected::Nodes;
+use domain::Domain;
+
+/// Most codes a map may have.
+const MAX_CODES: u64 = 1 << 31;
+
+/// How distances are made and read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DistanceKind {
+    /// The seed paper's; not safe.
+    Published,
+    /// Voxel boxes to column boxes; linear time, safe.
+    Boxes,
+    /// Exact at nodes, read with a correction; safe.
+    Corrected,
+}
+
+/// What [`DistanceMap::from_height`] makes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceOptions {
+    /// Voxels (`Boxes`, at least 1) or nodes (else, at least 2) along x, y and z.
+    pub size: [u32; 3],
+    /// The reference metric, positive.
+    pub metric: Metric,
+    /// Bits of a stored distance.
+    pub bits: DistanceBits,
+}
+
+/// Why a distance map was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DistanceMapError {
+    /// Too few voxels or nodes along an axis, or too many altogether.
+    #[error(
+        "a distance map of this kind has at least {least} along each axis and at most 2^31 \
+         altogether, not {size:?}"
+    )]
+    Size {
+        /// The size given.
+        size: [u32; 3],
+        /// The least size along an axis.
+        least: u32,
+    },
+    /// A metric that is not positive, or whose distances leave the range of f64.
+    #[error("a reference metric must be positive and of moderate size, not {metric:?}")]
+    Metric {
+        /// The metric given.
+        metric: Metric,
+    },
+    /// A domain that no height map has.
+    #[error("no height map has {cells:?} cells and raw heights from {} to {}", raw.0, raw.1)]
+    Domain {
+        /// The cells given.
+        cells: [u32; 2],
+        /// The range given.
+        raw: (f32, f32),
+    },
+    /// A quantum that is not a positive number.
+    #[error("the quantum of distances must be positive and finite, not {quantum}")]
+    Quantum {
+        /// The quantum given.
+        quantum: f64,
+    },
+    /// Another number of codes than the size says.
+    #[error("{size:?} needs {} codes, {found} were given", count(*size))]
+    Count {
+        /// The size given.
+        size: [u32; 3],
+        /// The codes given.
+        found: usize,
+    },
+}
+
+/// All that a distance map is, for storing and loading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceParts {
+    /// How it was made and is read.
+    pub kind: DistanceKind,
+    /// Voxels or nodes along x, y and z.
+    pub size: [u32; 3],
+    /// Stored cells of the height map along x and y.
+    pub cells: [u32; 2],
+    /// Lowest and highest raw height.
+    pub raw_range: (f32, f32),
+    /// The reference metric.
+    pub metric: Metric,
+    /// Scene units of one code step.
+    pub quantum: f64,
+    /// The codes, x fastest, then y, then z.
+    pub codes: Codes,
+}
+
+/// Distances over the stored cells of a height map. Valid by construction, safe as made; one that
+/// was loaded is as safe as its file, see [`DistanceMap::verify`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceMap {
+    kind: DistanceKind,
+    size: [u32; 3],
+    domain: Domain,
+    quantum: f64,
+    codes: Codes,
+    /// Voxels, or steps between nodes, per unit of each axis; 0 where the domain has no depth.
+    density: [f64; 3],
+    /// Sides of a voxel between nodes or of a voxel, scene units.
+    sides: [f64; 3],
+}
+
+/// Number of codes of a size.
+fn count(size: [u32; 3]) -> u128 {
+    size.iter().map(|&n| u128::from(n)).product()
+}
+
+impl DistanceKind {
+    /// The least size along an axis.
+    pub fn least_size(self) -> u32 {
+        match self {
+            Self::Boxes => 1,
+            Self::Published | Self::Corrected => 2,
+        }
+    }
+
+    fn check_size(self, size: [u32; 3]) -> Result<(), DistanceMapError> {
+        let least = self.least_size();
+        let fits = size.iter().all(|&n| n >= least) && count(size) <= u128::from(MAX_CODES);
+        if fits { Ok(()) } else { Err(DistanceMapError::Size { size, least }) }
+    }
+}
+
+impl DistanceMap {
+    /// The distance map of `heights`. Any number of threads gives the same codes.
+    ///
+    /// Time: linear in the voxels for `Boxes`; nodes times a search that grows with the
+    /// pyramid's levels for `Corrected`; nodes times the samples within reach for `Published`.
+    ///
+    /// # Errors
+    /// [`DistanceMapError::Size`] or [`DistanceMapError::Metric`]; checked before anything is
+    /// allocated.
+    pub fn from_height(
+        heights: &HeightMap,
+        kind: DistanceKind,
+        options: &DistanceOptions,
+    ) -> Result<Self, DistanceMapError> {
+        let size = options.size;
+        kind.check_size(size)?;
+        let domain = Domain::of(heights, options.metric)?;
+        let quantum = codes::quantum(&domain, options.bits);
+        let build = Build { heights, kind, domain: &domain, size };
+        let quantiser = Quantiser::new(&domain, quantum, options.bits);
+        let codes = match options.bits {
+            DistanceBits::U8 => Codes::U8(build.codes(quantiser)),
+            DistanceBits::U16 => Codes::U16(build.codes(quantiser)),
+        };
+        Ok(Self::assemble(kind, size, domain, quantum, codes))
+    }
+
+    /// A map from stored parts.
+    ///
+    /// # Errors
+    /// [`DistanceMapError`] where the parts do not fit together. Whether the distances are safe is
+    /// not looked at: [`DistanceMap::verify`] does that.
+    pub fn from_parts(parts: DistanceParts) -> Result<Self, DistanceMapError> {
+        let DistanceParts { kind, size, cells, raw_range: raw, metric, quantum, codes } = parts;
+        kind.check_size(size)?;
+        if codes.len() as u128 != count(size) {
+            return Err(DistanceMapError::Count { size, found: codes.len() });
+        }
+        let finite = raw.0.is_finite() && raw.1.is_finite() && raw.0 <= raw.1;
+        if !finite || cells.iter().any(|&n| !(1..=(1 << 24) + 1).contains(&n)) {
+            return Err(DistanceMapError::Domain { cells, raw });
+        }
+        if !(quantum > 0.0 && (quantum * f64::from(u16::MAX)).is_finite()) {
+            return Err(DistanceMapError::Quantum { quantum });
+        }
+        let domain = Domain { cells, raw, metric }.check()?;
+        Ok(Self::assemble(kind, size, domain, quantum, codes))
+    }
+
+    fn assemble(
+        kind: DistanceKind,
+        size: [u32; 3],
+        domain: Domain,
+        quantum: f64,
+        codes: Codes,
+    ) -> Self {
+        let steps = size.map(|n| f64::from(n + 1 - kind.least_size()));
+        let (low, high, extents) = (domain.low(), domain.high(), domain.extents());
+        let density = std::array::from_fn(|a| {
+            let side = high[a] - low[a];
+            if side > 0.0 { steps[a] / side } else { 0.0 }
+        });
+        let sides = std::array::from_fn(|a| extents[a] / steps[a]);
+        Self { kind, size, domain, quantum, codes, density, sides }
+    }
+
+    /// All fields, for storing; the codes are copied.
+    pub fn to_parts(&self) -> DistanceParts {
+        DistanceParts {
+            kind: self.kind,
+            size: self.size,
+            cells: self.domain.cells,
+            raw_range: self.domain.raw,
+            metric: self.domain.metric,
+            quantum: self.quantum,
+            codes: self.codes.clone(),
+        }
+    }
+
+    /// How the map was made and is read.
+    pub fn kind(&self) -> DistanceKind {
+        self.kind
+    }
+
+    /// Voxels or nodes along x, y and z.
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// Stored cells of the height map along x and y.
+    pub fn cells(&self) -> [u32; 2] {
+        self.domain.cells
+    }
+
+    /// Lowest and highest raw height.
+    pub fn raw_range(&self) -> (f32, f32) {
+        self.domain.raw
+    }
+
+    /// The reference metric.
+    #[inline]
+    pub fn metric(&self) -> Metric {
+        self.domain.metric
+    }
+
+    /// Scene units of one code step.
+    pub fn quantum(&self) -> f64 {
+        self.quantum
+    }
+
+    /// The codes, x fastest, then y, then z.
+    pub fn codes(&self) -> &Codes {
+        &self.codes
+    }
+
+    /// Bytes held by the codes.
+    pub fn bytes(&self) -> u64 {
+        self.codes.len() as u64 * self.codes.bits().bytes()
+    }
+
+    /// Bytes the codes of a map of `size` would take; nothing is allocated.
+    pub fn predicted_bytes(size: [u32; 3], bits: DistanceBits) -> u128 {
+        count(size) * u128::from(bits.bytes())
+    }
+
+    /// Whether the map's cells and range of heights are those of `heights`.
+    pub fn fits(&self, heights: &HeightMap) -> bool {
+        self.domain.fits(heights)
+    }
+
+    /// The stored distance of voxel or node (i, j, k), scene units of the reference metric.
+    ///
+    /// # Panics
+    /// If there is no such voxel or node.
+    #[inline]
+    pub fn at(&self, i: u32, j: u32, k: u32) -> f64 {
+        f64::from(self.code([i, j, k])) * self.quantum
+    }
+
+    /// The stored code of a voxel or node.
+    #[inline]
+    fn code(&self, [i, j, k]: [u32; 3]) -> u32 {
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        self.codes.get((k as usize * ny + j as usize) * nx + i as usize)
+    }
+
+    /// How far a ray may go from `p` = (x, y, raw z) in any direction, in scene units of the
+    /// reference metric: not above the true distance to the surface for `Boxes` and `Corrected`.
+    /// `p` may lie anywhere; outside of the domain the value at its nearest point holds.
+    #[inline]
+    pub fn safe_distance(&self, p: [f64; 3]) -> f64 {
+        match self.kind {
+            DistanceKind::Boxes => {
+                let [i, j, k] = self.voxel_of(p);
+                self.at(i, j, k)
+            }
+            DistanceKind::Corrected => {
+                let (nodes, local) = self.corners_at(p);
+                corrected::safe(nodes, local, self.sides)
+            }
+            DistanceKind::Published => {
+                let (nodes, local) = self.corners_at(p);
+                corrected::trilinear(nodes, local)
+            }
+        }
+    }
+
+    /// Position of `p` in steps of the grid, clamped to the domain.
+    #[inline]
+    fn steps_at(&self, p: [f64; 3]) -> [f64; 3] {
+        let (low, high) = (self.domain.low(), self.domain.high());
+        std::array::from_fn(|a| (p[a].clamp(low[a], high[a]) - low[a]) * self.density[a])
+    }
+
+    /// The voxel that holds `p`, clamped to the domain. For node kinds, the voxel between nodes.
+    #[inline]
+    pub fn voxel_of(&self, p: [f64; 3]) -> [u32; 3] {
+        let (steps, least) = (self.steps_at(p), self.kind.least_size());
+        std::array::from_fn(|a| (steps[a] as u32).min(self.size[a] - least))
+    }
+
+    /// Lowest and highest corner of a voxel, in stored-cell coordinates and raw height.
+    pub fn voxel_bounds(&self, voxel: [u32; 3]) -> ([f64; 3], [f64; 3]) {
+        let steps = self.size.map(|n| n + 1 - self.kind.least_size());
+        let corner = |a: usize, d: u32| self.domain.division(a, voxel[a] + d, steps[a]);
+        (std::array::from_fn(|a| corner(a, 0)), std::array::from_fn(|a| corner(a, 1)))
+    }
+
+    /// Stored distances at the corners of the voxel between nodes that holds `p`, and the position
+    /// in it.
+    #[inline]
+    fn corners_at(&self, p: [f64; 3]) -> ([f64; 8], [f64; 3]) {
+        let (steps, [i, j, k]) = (self.steps_at(p), self.voxel_of(p));
+        let nodes = std::array::from_fn(|at| {
+            let at = at as u32;
+            self.at(i + (at & 1), j + (at >> 1 & 1), k + (at >> 2))
+        });
+        let first = [i, j, k];
+        (nodes, std::array::from_fn(|a| (steps[a] - f64::from(first[a])).clamp(0.0, 1.0)))
+    }
+}
+
+/// A map in the making.
+struct Build<'a> {
+    heights: &'a HeightMap,
+    kind: DistanceKind,
+    domain: &'a Domain,
+    size: [u32; 3],
+}
+
+impl Build<'_> {
+    fn codes<C: Code>(&self, quantiser: Quantiser) -> Vec<C> {
+        let Self { heights, kind, domain, size } = *self;
+        match kind {
+            DistanceKind::Published => published::codes(heights, domain, size, &quantiser),
+            DistanceKind::Boxes => Boxes::new(heights, domain, size).codes(&quantiser),
+            DistanceKind::Corrected => {
+                let pyramid = &Pyramid::build(heights);
+                Nodes { heights, pyramid, domain, size, quantiser }.codes()
+            }
+        }
+    }
+}
