@@ -154,7 +154,9 @@ impl Gap {
     /// The first admitted root, as a fraction of the span, and whether it comes from above.
     #[inline]
     pub fn first_root(&self, admit: Crossings) -> Option<(f32, bool)> {
-        let above = self.b0 >= 0.0;
+        // A ray that starts on the surface came from the side it does not go to.
+        let above = self.b0 > 0.0
+            || (self.b0 == 0.0 && (self.b1 < 0.0 || (self.b1 == 0.0 && self.b2 < 0.0)));
         let Self { b0, b1, b2 } =
             if above { *self } else { Self { b0: -self.b0, b1: -self.b1, b2: -self.b2 } };
         let discriminant = b1 * b1 - b0 * b2;
@@ -259,6 +261,16 @@ mod tests {
         let (down, from_above) = g.first_root(Crossings::Downward).unwrap();
         assert!(from_above && down > up && value(&g, down).abs() < 1e-6);
         assert_eq!(gap(-1.0, 0.5, 1.0).first_root(Crossings::Downward), None);
+    }
+
+    #[test]
+    fn a_start_on_the_surface_crosses_to_the_side_the_ray_goes_to() {
+        assert_eq!(gap(0.0, -1.0, -2.0).first_root(Crossings::Both), Some((0.0, true)));
+        assert_eq!(gap(0.0, 1.0, 2.0).first_root(Crossings::Both), Some((0.0, false)));
+        // Up through the surface at the start: no front of a one-sided face.
+        assert_eq!(gap(0.0, 1.0, 2.0).first_root(Crossings::Downward), None);
+        let (q, from_above) = gap(0.0, 1.0, -2.0).first_root(Crossings::Downward).unwrap();
+        assert!(from_above && (q - 0.5).abs() < 1e-6);
     }
 
     /// The proof's edge: z just above bound + slack, the worst corners and coordinates found.

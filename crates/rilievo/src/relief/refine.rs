@@ -1,94 +1,160 @@
 //! The answer in `f64`: the walk decides in `f32` which cell is hit and about where; here the
 //! root is found again on the unrounded ray.
 //!
-//! About the walk's parameter `s0` the gap is a quadratic `g0 + g1 e + g2 e^2` in `e = s - s0`; the
-//! root nearest to `e = 0` is the walk's root but for its rounding. Where the `f64` ray just misses
-//! what the `f32` ray grazed, the point of closest approach is taken: it lies within the leaf's
-//! slack of the surface. The root may leave the cell by that rounding; the patch is then continued
-//! there, at most to the nearest point of the cell's closed part of the ray.
+//! About a parameter `s0` the gap over one cell's patch is a quadratic `g0 + g1 e + g2 e^2` in
+//! `e = s - s0`, and the root nearest to `e = 0` is the walk's root but for its rounding. A grazing
+//! ray may have its exact root in the neighbouring cell; then it is looked for there. Where the
+//! unrounded ray just misses what the rounded one grazed, the point of closest approach is taken:
+//! it lies within the leaf's slack of the surface. [`Root::gap`] says how near.
+
+use crate::map::HeightMap;
 
 use super::map_ray::ExactRay;
 
-/// A refined crossing: parameter and position within the cell.
+/// A refined crossing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Root {
     pub s: f64,
-    /// Local coordinates in the unfolded cell, in [0, 1].
+    /// Unfolded cell.
+    pub cell: [i32; 2],
+    /// Local coordinates in the cell, in [0, 1].
     pub local: [f64; 2],
+    /// Raw height of the surface there.
+    pub raw: f64,
+    /// Raw height of the ray over it.
+    pub gap: f64,
 }
 
-/// Finds the root of the unfolded cell (i, j) with corners `[h00, h10, h01, h11]` near `s0`.
-pub(crate) fn refine(ray: &ExactRay, [i, j]: [i32; 2], corners: [f32; 4], s0: f64) -> Root {
-    let h = corners.map(f64::from);
-    let (dx, dy, dz) = (ray.direction[0], ray.direction[1], ray.direction[2]);
-    let x = ray.origin[0] + s0 * dx - f64::from(i);
-    let y = ray.origin[1] + s0 * dy - f64::from(j);
-    let z = ray.origin[2] + s0 * dz;
-    let (a, b, c, d) = (h[0], h[1] - h[0], h[2] - h[0], (h[3] - h[2]) - (h[1] - h[0]));
-    let g0 = z - (a + b * x + (c + d * x) * y);
-    let g1 = dz - (b + d * y) * dx - (c + d * x) * dy;
-    let g2 = -d * dx * dy;
-    let discriminant = g1 * g1 - 4.0 * g2 * g0;
-    let e = if discriminant >= 0.0 {
-        let q = g1 + g1.signum() * discriminant.sqrt();
-        if q == 0.0 { 0.0 } else { -2.0 * g0 / q }
-    } else {
-        -g1 / (2.0 * g2)
-    };
-    // The walk's own rounding bounds how far the true root can be.
-    let (enter, leave) = span_in_cell([x, y], [dx, dy]);
-    let e = if e.is_finite() { e.clamp(enter.min(0.0), leave.max(0.0)) } else { 0.0 };
-    let s = (s0 + e).max(0.0);
-    let e = s - s0;
-    Root { s, local: [(x + e * dx).clamp(0.0, 1.0), (y + e * dy).clamp(0.0, 1.0)] }
-}
-
-/// Parameters, relative to the current one, between which the ray is in the cell [0, 1]^2, with a
-/// margin of a thousandth of a cell.
-fn span_in_cell(at: [f64; 2], direction: [f64; 2]) -> (f64, f64) {
-    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-    for k in 0..2 {
-        if direction[k] != 0.0 {
-            let a = (-1e-3 - at[k]) / direction[k];
-            let b = (1.0 + 1e-3 - at[k]) / direction[k];
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
+/// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to. Cells
+/// outside `first..end` are no neighbours.
+pub(crate) fn refine(
+    ray: &ExactRay,
+    heights: &HeightMap,
+    cell: [i32; 2],
+    s0: f64,
+    [first, end]: [[i32; 2]; 2],
+) -> Root {
+    let home = Patch::new(heights, cell).root_near(ray, s0);
+    let mut next = home;
+    for _ in 0..2 {
+        let Some(beyond) = next.beyond else { return next.root };
+        if (0..2).any(|k| beyond[k] < first[k] || beyond[k] >= end[k]) {
+            break;
         }
+        next = Patch::new(heights, beyond).root_near(ray, next.root.s);
     }
-    (enter, leave)
+    if next.beyond.is_none() { next.root } else { home.root }
+}
+
+/// One bilinear cell in double precision.
+struct Patch {
+    cell: [i32; 2],
+    /// Corners h00, h10, h01, h11.
+    h: [f64; 4],
+}
+
+/// The root of a patch, moved to the cell's border if it lies outside, and the cell across that
+/// border.
+#[derive(Clone, Copy)]
+struct Candidate {
+    root: Root,
+    beyond: Option<[i32; 2]>,
+}
+
+impl Patch {
+    fn new(heights: &HeightMap, cell: [i32; 2]) -> Self {
+        Self { cell, h: heights.unfolded_corners(cell[0], cell[1]).map(f64::from) }
+    }
+
+    fn height(&self, [x, y]: [f64; 2]) -> f64 {
+        let low = self.h[0] + (self.h[1] - self.h[0]) * x;
+        let high = self.h[2] + (self.h[3] - self.h[2]) * x;
+        low + (high - low) * y
+    }
+
+    fn root_near(&self, ray: &ExactRay, s0: f64) -> Candidate {
+        let [dx, dy, dz] = ray.direction;
+        let at = [0, 1].map(|k| ray.origin[k] + s0 * ray.direction[k] - f64::from(self.cell[k]));
+        let [x, y] = at;
+        let [b, c] = [self.h[1] - self.h[0], self.h[2] - self.h[0]];
+        let d = (self.h[3] - self.h[2]) - b;
+        let g0 = ray.origin[2] + s0 * dz - self.height(at);
+        let g1 = dz - (b + d * y) * dx - (c + d * x) * dy;
+        let g2 = -d * dx * dy;
+        let discriminant = g1 * g1 - 4.0 * g2 * g0;
+        let e = if discriminant >= 0.0 {
+            -2.0 * g0 / (g1 + g1.signum() * discriminant.sqrt())
+        } else {
+            -g1 / (2.0 * g2)
+        };
+        let e = if e.is_finite() { e.max(-s0) } else { 0.0 };
+        // Keep to the cell: the border met first on the way to the root.
+        let (mut kept, mut beyond) = (e, None);
+        for k in 0..2 {
+            let direction = ray.direction[k];
+            let ends = at[k] + kept * direction;
+            let line = ends.clamp(0.0, 1.0);
+            if ends != line && direction != 0.0 {
+                kept = (line - at[k]) / direction;
+                let mut cell = self.cell;
+                cell[k] += if line == 0.0 { -1 } else { 1 };
+                beyond = Some(cell);
+            }
+        }
+        let s = s0 + kept;
+        let local = [0, 1].map(|k| (at[k] + kept * ray.direction[k]).clamp(0.0, 1.0));
+        let raw = self.height(local);
+        let gap = ray.origin[2] + s * dz - raw;
+        Candidate { root: Root { s, cell: self.cell, local, raw, gap }, beyond }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map::{Lattice, Samples, Wrap};
+
+    fn map(width: u32, height: u32, h: &[f32]) -> HeightMap {
+        let samples = Samples::F32(h.to_vec());
+        HeightMap::new(width, height, samples, Lattice::Vertex, Wrap::Repeat).unwrap()
+    }
+
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> ExactRay {
+        ExactRay { origin, direction, t_start: 0.0, t_length: 1.0 }
+    }
 
     #[test]
     fn a_rounded_start_gives_the_root_to_double_precision() {
         // Saddle z = x y met by the ray (0.1 + 0.8 s, 0.2 + 0.5 s, 1 - s).
-        let ray = ExactRay {
-            origin: [0.1, 0.2, 1.0],
-            direction: [0.8, 0.5, -1.0],
-            t_start: 0.0,
-            t_length: 1.0,
-        };
+        let saddle = map(2, 2, &[0.0, 0.0, 0.0, 1.0]);
+        let ray = ray([0.1, 0.2, 1.0], [0.8, 0.5, -1.0]);
         // 0.4 s^2 + 1.21 s - 0.98 = 0.
         let want = (-1.21 + (1.21f64 * 1.21 + 4.0 * 0.4 * 0.98).sqrt()) / 0.8;
-        let root = refine(&ray, [0, 0], [0.0, 0.0, 0.0, 1.0], want + 3e-7);
+        let root = refine(&ray, &saddle, [0, 0], want + 3e-7, [[0, 0], [1, 1]]);
         assert!((root.s - want).abs() < 1e-15, "{} against {want}", root.s);
-        assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15);
+        assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.gap.abs() < 1e-15);
     }
 
     #[test]
     fn a_ray_that_just_misses_gets_its_closest_approach() {
-        // Ridge-like saddle, ray passes 1e-9 above its tangent point at s = 0.5.
-        let corners = [0.0, 1.0, 1.0, 0.0];
-        let ray = ExactRay {
-            origin: [0.0, 0.0, 0.5 + 1e-9],
-            direction: [1.0, 1.0, 0.0],
-            t_start: 0.0,
-            t_length: 1.0,
-        };
-        let root = refine(&ray, [0, 0], corners, 0.5 + 1e-6);
-        assert!((root.s - 0.5).abs() < 1e-9);
+        // Along the ridge of a saddle, 1e-9 above its tangent point at s = 0.5.
+        let saddle = map(2, 2, &[0.0, 1.0, 1.0, 0.0]);
+        let ray = ray([0.0, 0.0, 0.5 + 1e-9], [1.0, 1.0, 0.0]);
+        let root = refine(&ray, &saddle, [0, 0], 0.5 + 1e-6, [[0, 0], [1, 1]]);
+        assert!((root.s - 0.5).abs() < 1e-9 && (root.gap - 1e-9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_grazing_root_is_followed_into_the_neighbour() {
+        // A plane met at x = 1.25 by a very flat ray that the walk placed in cell 0.
+        let plane = map(3, 2, &[0.0; 6]);
+        let ray = ray([0.0, 0.3, 1.25e-6], [1.0, 0.1, -1e-6]);
+        let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [2, 1]]);
+        assert_eq!(root.cell, [1, 0]);
+        assert!((root.s - 1.25).abs() < 1e-9 && (root.local[0] - 0.25).abs() < 1e-9);
+        // Without a neighbour it stays at the border, and says how far off it is.
+        let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [1, 1]]);
+        assert_eq!((root.cell, root.local[0]), ([0, 0], 1.0));
+        assert!((root.gap - 0.25e-6).abs() < 1e-12);
     }
 }

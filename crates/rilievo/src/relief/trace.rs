@@ -24,6 +24,8 @@ pub(crate) struct Crossing {
     pub lattice: [f64; 2],
     /// Raw height of the point.
     pub raw: f64,
+    /// Raw height of the ray over the point.
+    pub gap: f64,
     /// Whether the ray came from the front.
     pub front: bool,
     pub place: Place,
@@ -66,18 +68,16 @@ pub(crate) fn first_crossing<P: Probe>(
     Some(match met {
         Met::Surface(LeafHit { s, cell, from_above }) => {
             let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
-            let corners = heights.unfolded_corners(cell[0], cell[1]);
-            let root = refine(exact, cell, corners, f64::from(s));
-            let [x, y] = root.local;
-            let h = corners.map(f64::from);
-            let low = h[0] + (h[1] - h[0]) * x;
-            let high = h[2] + (h[3] - h[2]) * x;
+            let window = &face.placement.window;
+            let cells = [window.lo.map(|x| x.floor() as i32), window.hi.map(|x| x.ceil() as i32)];
+            let root = refine(exact, heights, cell, f64::from(s), cells);
             Crossing {
                 t: exact.t_start + root.s * exact.t_length,
-                lattice: [f64::from(cell[0]) + x, f64::from(cell[1]) + y],
-                raw: low + (high - low) * y,
+                lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
+                raw: root.raw,
+                gap: root.gap,
                 front: from_above == rising,
-                place: Place::Cell { cell, local: root.local },
+                place: Place::Cell { cell: root.cell, local: root.local },
             }
         }
         Met::Wall { wall, s, from_above } => {
@@ -92,6 +92,7 @@ pub(crate) fn first_crossing<P: Probe>(
                 t: exact.t_start + s * exact.t_length,
                 lattice,
                 raw: at(2),
+                gap: 0.0,
                 front: from_above == rising,
                 place: Place::Wall(wall),
             }
@@ -255,6 +256,7 @@ fn approximate_crossing(face: &ReliefFace, ray: &MapRay, hit: ApproximateHit) ->
         t: exact.t_start + hit.s * exact.t_length,
         lattice: [x, y],
         raw: at(2),
+        gap: 0.0,
         front: hit.from_above == (face.options.displacement.scale > 0.0),
         place: Place::Cell {
             cell: [cell[0] as i32, cell[1] as i32],
