@@ -1,4 +1,4 @@
-//! Linear RGB and the sRGB transfer curve of [Stokes1996].
+//! Linear RGB and the sRGB transfer curve of \[Stokes1996\].
 
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! [`Filter`]: pixel filters, by filter importance sampling.
 //!
-//! A camera ray belongs to one pixel only and its place is drawn from the filter [Ernst2006], so
+//! A camera ray belongs to one pixel only and its place is drawn from the filter \[Ernst2006\], so
 //! every sample has weight 1, pixels stay independent, and an image does not depend on the order
 //! in which tiles are done.
 

@@ -9,7 +9,7 @@ pub enum ToneCurve {
     /// Cut off at white: below it the picture is linear light.
     #[default]
     Clamp,
-    /// A rational curve fitted to the ACES film look, each channel alone [Narkowicz2015].
+    /// A rational curve fitted to the ACES film look, each channel alone \[Narkowicz2015\].
     Filmic,
 }
 

@@ -1,7 +1,7 @@
 //! False colours: layers as pictures.
 //!
 //! The heat ramp goes from dark blue over violet and orange to pale yellow on a straight line of
-//! Oklab lightness [Ottosson2020], so equal steps look equally large and survive in grey.
+//! Oklab lightness \[Ottosson2020\], so equal steps look equally large and survive in grey.
 
 use crate::colour::{Rgb, srgb_from_linear};
 use crate::film::{Aov, Layer};
@@ -71,7 +71,7 @@ fn code(value: f64) -> u8 {
     if value.is_finite() { (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { 0 }
 }
 
-/// Linear sRGB of an Oklab colour [Ottosson2020].
+/// Linear sRGB of an Oklab colour \[Ottosson2020\].
 fn linear_from_oklab(lightness: f64, a: f64, b: f64) -> Rgb {
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);

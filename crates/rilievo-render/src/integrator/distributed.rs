@@ -1,4 +1,4 @@
-//! The paper's ray tracer: Whitted's recursion [Whitted1980] with distributed samples [Cook1984].
+//! The paper's ray tracer: Whitted's recursion \[Whitted1980\] with distributed samples \[Cook1984\].
 //!
 //! The radiance that leaves a hit towards the viewer is
 //!

@@ -1,5 +1,5 @@
 //! [`SphericalRectangle`]: a rectangle as it is seen from a point, sampled uniformly by solid angle
-//! [Urena2013].
+//! \[Urena2013\].
 //!
 //! By area, the weight of a sample grows as 1 / r^2 towards the point and its variance has no
 //! bound where a light meets a wall; by solid angle every sample weighs the same.

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::{Dimension, Sampler};
 
 /// How many standard deviations the chi-square statistic of `observed` counts lies above what
-/// `expected` counts allow, by the cube-root approximation of [Wilson1931]. Cells that expect
+/// `expected` counts allow, by the cube-root approximation of \[Wilson1931\]. Cells that expect
 /// fewer than five are pooled.
 pub(crate) fn chi_square_z(observed: &[f64], expected: &[f64]) -> f64 {
     let (mut statistic, mut cells) = (0.0, 0.0);

@@ -3,12 +3,12 @@
 //! A dimension of a path (the place in the pixel, the point on a light, the direction of a gloss)
 //! is a unit square. It is cut into as many cells as the pixel will take samples of it, each cell
 //! holds one jittered point, and cells of different dimensions are associated by independent
-//! random permutations [Cook1984]. Nothing is stored: cell order and jitter are hashes of seed,
+//! random permutations \[Cook1984\]. Nothing is stored: cell order and jitter are hashes of seed,
 //! pixel and dimension, so the numbers do not depend on the order in which they are asked for.
 //!
 //! What we changed: a count that is no product of two near factors gets the next larger grid, of
 //! which the permutation leaves a random few cells empty. Each point on its own stays uniform, so
-//! estimates stay unbiased. Permutations are hashed by cycle walking [Kensler2013].
+//! estimates stay unbiased. Permutations are hashed by cycle walking \[Kensler2013\].
 
 pub mod warp;
 
@@ -117,7 +117,7 @@ fn grid(count: u64) -> (u64, u64) {
     }
 }
 
-/// A 64-bit hash of a key and a value: the SplitMix64 finaliser over their mix [Steele2014].
+/// A 64-bit hash of a key and a value: the SplitMix64 finaliser over their mix \[Steele2014\].
 fn hash(key: u64, value: u64) -> u64 {
     let mut z = key ^ value.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x6a09_e667_f3bc_c909);
     for _ in 0..2 {

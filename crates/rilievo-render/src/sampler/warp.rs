@@ -4,7 +4,7 @@
 //! Directions are unit vectors around +z.
 //!
 //! Gloss: microfacet normals of the GGX distribution, drawn in proportion to their area as seen
-//! from `view` by a spherical cap [Dupuy2023]. Reflecting `view` about them gives directions around
+//! from `view` by a spherical cap \[Dupuy2023\]. Reflecting `view` about them gives directions around
 //! the mirror direction. The renderer averages the light from there with equal weights: the lobe
 //! integrates to 1 for any view and roughness, so a closed white furnace keeps its energy. What is
 //! left out against the full model is the masking of the outgoing side.
@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-/// The unit disk, uniform; concentric squares go to concentric circles [Shirley1997].
+/// The unit disk, uniform; concentric squares go to concentric circles \[Shirley1997\].
 pub fn square_to_disk(u: DVec2) -> DVec2 {
     let p = 2.0 * u - 1.0;
     if p == DVec2::ZERO {

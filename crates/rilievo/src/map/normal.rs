@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | [`NormalKind::Exact`] | those of the bilinear cell | no: creases at cell borders |
 //! | [`NormalKind::Smooth`] | central differences at samples | yes |
-//! | [`NormalKind::Published`] | one-sided differences at samples [Book2007, 3.3] | yes |
+//! | [`NormalKind::Published`] | one-sided differences at samples \[Book2007, 3.3\] | yes |
 //!
 //! The last two are made at the four corners of a cell, turned into normals in the metric, then
 //! interpolated bilinearly and renormalised. `Published` is the paper's cross product of the vectors

@@ -2,10 +2,10 @@
 //!
 //! Each is a height `h(u, v)` in `[0, 1]` over the unit square, sampled where the lattice puts its
 //! samples. The vertex lattice is the natural one: its border samples lie on the border. `flat`,
-//! `gaussian` and `studded` are the seed paper's maps [Book2007]; the others are test shapes with
+//! `gaussian` and `studded` are the seed paper's maps \[Book2007\]; the others are test shapes with
 //! known answers, and `fbm` stands for rough terrain.
 //!
-//! The noise of `fbm` is gradient noise [Perlin2002] over a periodic lattice: integer hashes and a
+//! The noise of `fbm` is gradient noise \[Perlin2002\] over a periodic lattice: integer hashes and a
 //! table of 16 directions, no transcendental function, so that a seed means one map everywhere. The
 //! period makes it seamless under [`Wrap::Repeat`].
 

@@ -17,7 +17,7 @@ pub(crate) struct SurfacePoint {
 }
 
 /// `sum of weights[i] * points[i]` and a bound on its distance from the exact convex combination:
-/// division, product and two sums each for weights and terms [Pharr2023, section 6.8].
+/// division, product and two sums each for weights and terms \[Pharr2023, section 6.8\].
 pub(crate) fn interpolate_position(points: &[DVec3; 3], weights: &[f64; 3]) -> (DVec3, f64) {
     let terms = [points[0] * weights[0], points[1] * weights[1], points[2] * weights[2]];
     let reach = terms[0].abs() + terms[1].abs() + terms[2].abs();

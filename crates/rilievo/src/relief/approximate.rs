@@ -113,7 +113,7 @@ impl<'a> Segment<'a> {
     }
 
     /// Fixed steps to the first sign change, then one secant, as parallax occlusion mapping does
-    /// [Policarpo2005]. Misses whatever fits between two steps.
+    /// \[Policarpo2005\]. Misses whatever fits between two steps.
     pub fn march<P: Probe>(&self, probe: &mut P) -> Option<ApproximateHit> {
         let from = if self.spawned { self.from + self.half_cell() } else { self.from };
         let step = (self.to - from) / f64::from(MARCH_STEPS);

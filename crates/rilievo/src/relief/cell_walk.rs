@@ -1,4 +1,4 @@
-//! Method `dda`: every cell under the ray, in order, no hierarchy [Amanatides1987, Musgrave1988].
+//! Method `dda`: every cell under the ray, in order, no hierarchy \[Amanatides1987, Musgrave1988\].
 //!
 //! Unlike the textbook walk, no parameter is accumulated: each comes from its line's integer index,
 //! so the cells visited are exactly those whose interval is not empty.

@@ -1,5 +1,5 @@
 //! Methods `distance` and `distance-corrected`: safe steps through a distance map, the exact leaf
-//! near the surface [Donnelly2005, made exact].
+//! near the surface \[Donnelly2005, made exact\].
 //!
 //! **Step.** An affine face keeps the ray parameter, so the map is walked in the metric it was made
 //! for, whatever the face's size and depth: a safe distance `D` advances the parameter by

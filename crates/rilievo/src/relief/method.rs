@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// differ in which cells they show to the one leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Every cell under the ray, no hierarchy [Musgrave1988]. Exact.
+    /// Every cell under the ray, no hierarchy \[Musgrave1988\]. Exact.
     Dda,
     /// Min-max pyramid over blocks of 4 x 4 cells. Exact; the default.
     #[default]

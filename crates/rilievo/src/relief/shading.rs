@@ -20,7 +20,7 @@ pub enum ShadingNormals {
     /// Central differences, interpolated: smooth over cells. The default.
     #[default]
     Smooth,
-    /// The paper's one-sided cross product, interpolated [Book2007, section 3.3].
+    /// The paper's one-sided cross product, interpolated \[Book2007, section 3.3\].
     Published,
     /// The paper's figure 1: normals of the map on a unit square of depth 1, whatever the face's
     /// size and depth. Wrong on purpose.

@@ -22,7 +22,7 @@
 //! of a stored 0 (which may be the true distance itself, without margin) into a positive result.
 //!
 //! The seed interpolates upper bounds without a correction, see [`published`](super::published).
-//! Conservative readings of cone maps are due to [Ban2024]; this is the same thought for distances.
+//! Conservative readings of cone maps are due to \[Ban2024\]; this is the same thought for distances.
 
 use rayon::prelude::*;
 

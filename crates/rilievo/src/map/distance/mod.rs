@@ -6,7 +6,7 @@
 //!
 //! | kind | grid | stored | read | safe |
 //! |---|---|---|---|---|
-//! | [`DistanceKind::Published`] | nodes | brute force to texel points [Book2007] | trilinear | no |
+//! | [`DistanceKind::Published`] | nodes | brute force to texel points \[Book2007\] | trilinear | no |
 //! | [`DistanceKind::Boxes`] | voxels | voxel box to column boxes | its voxel | proven |
 //! | [`DistanceKind::Corrected`] | nodes | exact, by branch and bound | corrected | proven |
 //!

@@ -1,4 +1,4 @@
-//! Kind `published`: the seed paper's brute force, as it was [Book2007, 3.3].
+//! Kind `published`: the seed paper's brute force, as it was \[Book2007, 3.3\].
 //!
 //! "For each point p in the three-dimensional map, the distance between the height at that point
 //! and p is set as an initial distance. Then, all points within that distance on the height map are

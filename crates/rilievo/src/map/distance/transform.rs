@@ -1,4 +1,4 @@
-//! Lower envelope of parabolas [Felzenszwalb2012], with the kernel of boxes, without rounding.
+//! Lower envelope of parabolas \[Felzenszwalb2012\], with the kernel of boxes, without rounding.
 //!
 //! For a line `f(0..n)` the transform is `out(q) = min_v w max(|q - v| - 1, 0)^2 + f(v)`. For
 //! integers `max(|m| - 1, 0)^2 = min over e in {-1, 0, 1} of (m - e)^2`: the kernel of boxes is the
