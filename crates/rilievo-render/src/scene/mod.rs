@@ -2,12 +2,10 @@
 
 pub mod camera;
 pub mod material;
-mod memory;
 pub mod settings;
 
 pub use camera::{Camera, CameraError, CameraParts};
 pub use material::{Material, MaterialError, Reflectance};
-pub use memory::SceneMemory;
 pub use settings::{RenderSettings, SettingsError};
 
 use rilievo::surface::World;
