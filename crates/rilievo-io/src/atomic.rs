@@ -13,10 +13,7 @@ use crate::error::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Io`] of the folder or the disk; the errors of `write`.
-pub fn replace(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&File>) -> Result<()>,
-) -> Result<()> {
+pub fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> Result<()>) -> Result<()> {
     let fail = |e| Error::io(path, e);
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -47,7 +47,9 @@ mod tests {
     #[test]
     fn a_panic_becomes_an_error_and_the_guard_is_lifted_again() {
         let e = guarded::<()>(Path::new("x.exr"), || panic!("index {}", 7)).unwrap_err();
-        assert!(e.to_string().contains("x.exr: content: damaged") && e.to_string().contains("index 7"));
+        assert!(
+            e.to_string().contains("x.exr: content: damaged") && e.to_string().contains("index 7")
+        );
         assert!(!GUARDED.get());
         assert_eq!(guarded(Path::new("x"), || Ok(3)).unwrap(), 3);
     }

@@ -15,6 +15,8 @@ mod error;
 mod guard;
 pub mod image;
 mod limits;
+pub mod map_file;
+pub mod mesh;
 
 pub use error::{Error, Excerpt, Fault, Place, Result};
 pub use limits::Limits;

@@ -83,7 +83,10 @@ pub(super) fn channels(context: Context<'_>, input: Box<dyn Input + '_>) -> Resu
     let count = wanted.len();
     let samples = file.samples(0, &wanted)?;
     let channels = (names.into_iter().enumerate())
-        .map(|(c, name)| Channel { name, samples: samples.iter().skip(c).step_by(count).copied().collect() })
+        .map(|(c, name)| Channel {
+            name,
+            samples: samples.iter().skip(c).step_by(count).copied().collect(),
+        })
         .collect();
     Ok(ChannelImage { width, height, channels, attributes })
 }
@@ -109,7 +112,9 @@ fn attributes(header: &Header) -> Vec<(String, Attribute)> {
     let named = [("software", &own.software_name), ("comments", &own.comments)];
     let mut all: Vec<_> = named
         .into_iter()
-        .filter_map(|(name, text)| Some((name.to_owned(), Attribute::Text(text.as_ref()?.to_string()))))
+        .filter_map(|(name, text)| {
+            Some((name.to_owned(), Attribute::Text(text.as_ref()?.to_string())))
+        })
         .collect();
     for (name, value) in own.other.iter().chain(&header.shared_attributes.other) {
         let value = match value {

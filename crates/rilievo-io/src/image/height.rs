@@ -56,8 +56,12 @@ impl HeightOptions {
 
     fn decode_from(&self, source: Source<'_>) -> Result<HeightMap> {
         let context = source.context;
-        let mut grid =
-            Grid { context, invert: self.invert, shape: (0, 0, 1), samples: Samples::U16(Vec::new()) };
+        let mut grid = Grid {
+            context,
+            invert: self.invert,
+            shape: (0, 0, 1),
+            samples: Samples::U16(Vec::new()),
+        };
         decode(source, &mut grid)?;
         let (width, height, _) = grid.shape;
         HeightMap::new(width, height, grid.samples, self.lattice, self.wrap)

@@ -1,18 +1,25 @@
 //! JPEG, through the `zune-jpeg` crate: grey stays grey, everything else becomes RGB.
 //!
-//! Strict mode: where the crate would rather fill the rest of a damaged picture with grey, a height
-//! map must be refused.
+//! Strict mode, and the end mark must be there: where the crate would rather fill the rest of a
+//! damaged picture with grey, a height map must be refused.
+
+use std::io::Read;
 
 use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::ImageFormat;
 use super::source::{Context, Flow, ImageInfo, Input, Row, SampleKind, Sink};
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
 
 /// Largest width and height the format can declare.
 const MOST: usize = 65535;
+
+/// Second bytes of the markers that start a scan and end the file.
+const SCAN: u8 = 0xda;
+const END: u8 = 0xd9;
 
 /// Decodes a JPEG.
 pub(super) fn decode(
@@ -20,12 +27,23 @@ pub(super) fn decode(
     input: Box<dyn Input + '_>,
     sink: &mut dyn Sink,
 ) -> Result<()> {
+    let most = context.limits.max_bytes;
+    let mut bytes = Vec::new();
+    let read = input.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|e| Error::io(context.path, e))?;
+    let what = "reading the file";
+    context.limits.check(context.path, Place::File, what, &[bytes.len() as u64])?;
+    let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
+    // Scan data never holds a marker, so an end mark after the last start of a scan is the true one.
+    if last(END) <= last(SCAN) {
+        return Err(context.damaged("the file stops before its end mark"));
+    }
     let options = DecoderOptions::default()
         .set_max_width(MOST)
         .set_max_height(MOST)
         .set_strict_mode(true)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
-    let mut decoder = JpegDecoder::new_with_options(input, options);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&bytes), options);
     decoder.decode_headers().map_err(|e| context.damaged(e))?;
     let (width, height) = decoder
         .dimensions()

@@ -29,7 +29,7 @@ pub(crate) struct Context<'a> {
 impl Context<'_> {
     /// The content is damaged: `why` is what the decoder says.
     pub fn damaged(&self, why: impl std::fmt::Display) -> Error {
-        Error::invalid(self.path, Place::File, "content", why.to_string(), "")
+        Error::invalid(self.path, Place::File, "content", why.to_string().trim(), "")
     }
 
     /// The header holds a value that is not read.

@@ -71,9 +71,7 @@ impl<'a> Picture<'a> {
     /// values, names that are empty, doubled, longer than 255 bytes or hold a zero byte.
     pub fn write_exr(&self, path: &Path) -> Result<()> {
         let order = self.check(path)?;
-        atomic::replace(path, |out| {
-            self.encode(&order, out).map_err(|e| Error::io(path, e))
-        })
+        atomic::replace(path, |out| self.encode(&order, out).map_err(|e| Error::io(path, e)))
     }
 
     /// The order of the channels in the file, by name.
@@ -259,7 +257,8 @@ mod tests {
         let channels = ["R", "G", "B", "P.X", "Z", "a name that is longer than thirty-one bytes"];
         let channels = (channels.iter().enumerate())
             .map(|(c, name)| {
-                let mut samples: Vec<_> = (0..width * height).map(|k| noise(k + c as u32)).collect();
+                let mut samples: Vec<_> =
+                    (0..width * height).map(|k| noise(k + c as u32)).collect();
                 samples[0] = [f32::NAN, f32::INFINITY, -0.0, 1e-45, f32::MAX, 1.0][c];
                 super::super::Channel { name: (*name).to_owned(), samples }
             })

@@ -43,7 +43,13 @@ fn check(path: &Path, [width, height]: [u32; 2], found: usize) -> Result<()> {
         return Ok(());
     }
     let found = format!("{found} pixels for {width} x {height}");
-    Err(Error::invalid(path, Place::File, "image", found, "one pixel or more, as many as the size says"))
+    Err(Error::invalid(
+        path,
+        Place::File,
+        "image",
+        found,
+        "one pixel or more, as many as the size says",
+    ))
 }
 
 fn write(
@@ -58,7 +64,10 @@ fn write(
     })
 }
 
-fn finish(encoder: Encoder<'_, &mut dyn Write>, bytes: &[u8]) -> std::result::Result<(), png::EncodingError> {
+fn finish(
+    encoder: Encoder<'_, &mut dyn Write>,
+    bytes: &[u8],
+) -> std::result::Result<(), png::EncodingError> {
     let mut writer = encoder.write_header()?;
     writer.write_image_data(bytes)?;
     writer.finish()
