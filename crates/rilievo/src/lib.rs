@@ -65,6 +65,7 @@ pub mod mesh;
 mod probe;
 mod ray;
 pub mod relief;
+pub mod surface;
 
 pub use glam;
 pub use hit::Hit;

@@ -74,8 +74,8 @@ impl Aabb {
 
 /// A ray made ready for many slab tests.
 ///
-/// The test follows [Ize2013]: the far distances are multiplied by `1 + 2 gamma(3)`, which covers
-/// their rounding. Here the origin is spread as well, by [`GROWTH`] of its largest coordinate,
+/// The test follows [Ize2013, robust slabs]: the far distances are multiplied by `1 + 2 gamma(3)`,
+/// which covers their rounding. Here the origin is spread as well, by [`GROWTH`] of its largest coordinate,
 /// for rays that start on a surface and are off it by rounding.
 ///
 /// A zero direction component (or one whose inverse overflows) leaves its slab's distances
@@ -88,7 +88,7 @@ pub struct SlabRay {
     inverse: DVec3,
 }
 
-/// [Ize2013, section 3].
+/// [Ize2013, robust slabs].
 const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 impl SlabRay {

@@ -3,7 +3,9 @@
 //! [`Surface`] is a closed set: one `match` for each question, no trait objects. [`World`] puts
 //! surfaces into a BVH and sees to it that a ray which leaves one of them is treated as such by
 //! that one alone; to its flat neighbours it says which surface the ray leaves, so that edges
-//! between surfaces are as tight as those within a mesh.
+//! between flat surfaces are as tight as those within a mesh. Spheres and reliefs decide by the
+//! sign of `t` alone: a ray that leaves another surface exactly where it touches one of them, to
+//! rounding, may be stopped by it or pass it.
 
 mod quad;
 mod sphere;
@@ -32,8 +34,32 @@ pub enum Surface {
     Sphere(Sphere),
     /// An undisplaced triangle mesh.
     Mesh(Mesh),
-    /// A displaced parallelogram.
-    Face(ReliefFace),
+    /// A displaced parallelogram; boxed, being the largest.
+    Face(Box<ReliefFace>),
+}
+
+impl From<Quad> for Surface {
+    fn from(quad: Quad) -> Self {
+        Self::Quad(quad)
+    }
+}
+
+impl From<Sphere> for Surface {
+    fn from(sphere: Sphere) -> Self {
+        Self::Sphere(sphere)
+    }
+}
+
+impl From<Mesh> for Surface {
+    fn from(mesh: Mesh) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl From<ReliefFace> for Surface {
+    fn from(face: ReliefFace) -> Self {
+        Self::Face(Box::new(face))
+    }
 }
 
 impl Surface {

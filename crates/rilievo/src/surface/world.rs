@@ -71,11 +71,15 @@ fn seen_by(index: u32, ray: &Ray) -> Ray {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::{DMat3, DVec3};
 
     use super::*;
     use crate::accel::random::Random;
+    use crate::map::{HeightMap, Lattice, Samples, Wrap};
     use crate::mesh::{Mesh, MeshData, Triangle};
+    use crate::relief::{Displacement, FaceOptions, Relief, ReliefFace};
     use crate::surface::{Quad, Sphere};
 
     fn quad(corners: [DVec3; 4]) -> Surface {
@@ -86,7 +90,7 @@ mod tests {
     /// of `flips` is set.
     fn closed_box(center: DVec3, turn: DMat3, flips: u32) -> World {
         let side = |k: u32| {
-            let axis = DVec3::AXES[k as usize / 2] * if k % 2 == 0 { 1.0 } else { -1.0 };
+            let axis = DVec3::AXES[k as usize / 2] * if k & 1 == 0 { 1.0 } else { -1.0 };
             let u = DVec3::new(axis.z, axis.x, axis.y);
             let v = if flips >> k & 1 == 1 { u.cross(-axis) } else { u.cross(axis) };
             // Corner by corner from the cube's, so that neighbours share them bit for bit.
@@ -220,6 +224,40 @@ mod tests {
             let brute = brute.min_by(|a, b| a.t.total_cmp(&b.t));
             assert_eq!(hit, brute);
             assert_eq!(hit.is_some(), world.occluded(&ray, &mut ()));
+        }
+    }
+
+    /// `world` with its sixth side displaced by a peak on its middle, towards `center`.
+    fn with_relief(world: &World, center: DVec3, size: f64) -> World {
+        let mut surfaces = world.surfaces().to_vec();
+        let Surface::Quad(floor) = &surfaces[5] else { unreachable!() };
+        let samples = Samples::F32(vec![0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0]);
+        let map = HeightMap::new(3, 3, samples, Lattice::Vertex, Wrap::Clamp).expect("valid");
+        let [a, b, _, d] = floor.corners();
+        let inward = (center - a).dot((b - a).cross(d - a)).signum();
+        let displacement = Displacement { scale: size * inward, ..Displacement::default() };
+        let options = FaceOptions { displacement, ..FaceOptions::default() };
+        let face = ReliefFace::new(floor.corners(), Arc::new(Relief::new(map)), options);
+        surfaces[5] = face.expect("valid").into();
+        World::new(surfaces)
+    }
+
+    #[test]
+    fn a_relief_joins_its_flat_neighbours() {
+        let mut random = Random(107);
+        for (center, size, world) in boxes() {
+            let closed = with_relief(&world, center, size);
+            for _ in 0..20_000 {
+                // The flat box has the targets: its sixth side ends on the same edges.
+                let origin = center + 0.4 * size * random.cube();
+                let ray = Ray::new(origin, target(&world, &mut random) - origin);
+                let hit = closed.closest(&ray, &mut ()).expect("escaped");
+                let shadow = hit.spawn_to(center + 100.0 * size * random.direction());
+                let inwards = shadow.from.expect("spawned").front == hit.front;
+                if hit.surface == 5 && inwards {
+                    assert!(closed.occluded(&shadow, &mut ()), "leak: {shadow:?}");
+                }
+            }
         }
     }
 
