@@ -4,6 +4,40 @@
 //! [`Film`] of linear radiance and named layers. Nothing here reads a file, prints or keeps a
 //! clock. The same scene gives the same bytes for any number of threads.
 //!
+//! ```
+//! use rilievo::{glam::DVec3, surface::{Quad, Surface, World}};
+//! use rilievo_render::{
+//!     Camera, CameraParts, Material, RenderOptions, RenderSettings, Rgb, Scene, SceneParts, render,
+//! };
+//!
+//! // A grey floor under a lamp of 1 x 1 whose front looks down.
+//! let [x, y, z] = DVec3::AXES;
+//! let floor = Quad::new([-x - y, x - y, x + y, y - x].map(|c| 9.0 * c), false)?;
+//! let lamp = Quad::new([z, y + z, x + y + z, x + z].map(|c| c - 0.5 * (x + y) + z), false)?;
+//! let scene = Scene::new(SceneParts {
+//!     world: World::new(vec![Surface::Quad(floor), Surface::Quad(lamp)]),
+//!     materials: vec![Material::default(), Material { emitted: Rgb::ONE, ..Material::default() }],
+//!     material_of: vec![0, 1],
+//!     camera: Camera::new(CameraParts {
+//!         position: DVec3::new(0.0, -4.0, 1.0),
+//!         look_at: DVec3::ZERO,
+//!         up: DVec3::Z,
+//!         fov: 1.0,
+//!         resolution: [8, 8],
+//!     })?,
+//!     background: Rgb::ZERO,
+//!     ambient: Rgb::ZERO,
+//!     settings: RenderSettings { samples: 64, ..RenderSettings::default() },
+//! })?;
+//! let (film, stats) = render(&scene, &RenderOptions::default())?;
+//! assert!(stats.complete);
+//!
+//! // Two units below its middle the lamp's irradiance is 0.2308; half of it is reflected, over pi.
+//! let middle = film.radiance()[8 * 4 + 4][0];
+//! assert!((middle - 0.5 * 0.2308 / std::f32::consts::PI).abs() < 1e-4, "{middle}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! - [`scene`]: what is rendered, checked once, immutable after.
 //! - [`texture`], [`colour`]: colour images and the sRGB curve.
 //! - [`light`]: the emitters that are sampled.
@@ -11,11 +45,13 @@
 //! - [`integrator`]: what is estimated at a pixel.
 //! - [`film`]: the image, pixel filters, tone mapping, false colours.
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
+//! - [`memory`]: what a render will hold.
 
 pub mod colour;
 pub mod film;
 pub mod integrator;
 pub mod light;
+pub mod memory;
 pub mod render;
 pub mod sampler;
 pub mod scene;
@@ -23,7 +59,8 @@ pub mod texture;
 
 pub use colour::Rgb;
 pub use film::{Aov, Film, Filter};
-pub use integrator::Integrator;
+pub use integrator::{Integrator, RayCounts};
+pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, render};
 pub use scene::{
     Camera, CameraError, CameraParts, Material, MaterialError, Reflectance, RenderSettings, Scene,

@@ -69,7 +69,15 @@ pub enum RenderError {
 }
 
 /// Pixels along a side of a tile.
-const TILE: u32 = 16;
+pub(crate) const TILE: u32 = 16;
+
+/// The number of threads that `threads` asks for: itself, or one per processor for 0.
+pub(crate) fn thread_count(threads: usize) -> usize {
+    match threads {
+        0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        n => n,
+    }
+}
 
 /// Renders `scene`.
 ///
@@ -80,9 +88,12 @@ pub fn render(
     options: &RenderOptions<'_>,
 ) -> Result<(Film, RenderStats), RenderError> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
+        .num_threads(thread_count(options.threads))
         .build()
-        .map_err(|e| RenderError::Threads { threads: options.threads, reason: e.to_string() })?;
+        .map_err(|e| RenderError::Threads {
+        threads: options.threads,
+        reason: e.to_string(),
+    })?;
     let resolution = scene.camera().resolution();
     let shared = Shared {
         film: Mutex::new(Film::new(resolution, options.aovs)?),

@@ -3,5 +3,6 @@
 mod closed_forms;
 mod determinism;
 mod layers;
+mod relief;
 mod scene;
 mod scenes;

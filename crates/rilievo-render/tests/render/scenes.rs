@@ -90,3 +90,10 @@ pub fn pixel_centers(scene: &Scene) -> (Film, RenderStats) {
         RenderOptions { pixel_centers: true, aovs: &[Aov::P], ..RenderOptions::default() };
     render(scene, &options).unwrap()
 }
+
+/// A square lamp of side `side` around `center`, its front down.
+pub fn lamp(center: [f64; 3], side: f64) -> Surface {
+    let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]]
+        .map(|[x, y]| DVec3::from_array(center) + side * DVec3::new(x, y, 0.0));
+    Surface::Quad(Quad::new(corners, false).unwrap())
+}

@@ -1,0 +1,81 @@
+//! [`MemoryUse`]: what a render will hold, before it starts.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use rilievo::relief::ShadingNormals;
+use rilievo::surface::Surface;
+
+use crate::film::Film;
+use crate::render::{RenderOptions, TILE, thread_count};
+use crate::scene::{Reflectance, Scene};
+
+/// Bytes held while a scene is rendered, by kind. What surfaces share is counted once. The program
+/// itself and what reading files needs come on top.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MemoryUse {
+    /// Samples of the height maps.
+    pub heights: u64,
+    /// What was derived from them: pyramids, distance maps, normal maps.
+    pub bounds: u64,
+    /// Surfaces, meshes and the tree over them.
+    pub geometry: u64,
+    /// Texels.
+    pub textures: u64,
+    /// The image and its layers.
+    pub film: u64,
+    /// Stacks and tiles of the threads.
+    pub threads: u64,
+}
+
+/// Touched by the stack of a thread that traces.
+const STACK: u64 = 64 << 10;
+
+/// Upper bound on the tree's bytes per surface: two nodes and an index.
+const TREE: u64 = 128 + 4;
+
+impl MemoryUse {
+    /// What `scene` rendered under `options` will hold.
+    pub fn predict(scene: &Scene, options: &RenderOptions<'_>) -> Self {
+        let mut all = Self::default();
+        let mut seen = HashSet::new();
+        let mut first = |address: *const ()| seen.insert(address);
+        let surfaces = scene.world().surfaces();
+        all.geometry = size_of_val(surfaces) as u64 + TREE * surfaces.len() as u64;
+        for surface in surfaces {
+            match surface {
+                Surface::Quad(_) | Surface::Sphere(_) => {}
+                Surface::Mesh(mesh) => all.geometry += mesh.bytes(),
+                Surface::Face(face) => {
+                    all.geometry += size_of_val(face.as_ref()) as u64;
+                    if first(Arc::as_ptr(face.relief()).cast()) {
+                        let (heights, bounds) = face.relief().bytes();
+                        all.heights += heights;
+                        all.bounds += bounds;
+                    }
+                    if let ShadingNormals::Map(map) = &face.options().normals
+                        && first(Arc::as_ptr(map).cast())
+                    {
+                        all.bounds += map.bytes();
+                    }
+                }
+            }
+        }
+        for material in scene.materials() {
+            if let Reflectance::Textured(texture) = &material.diffuse
+                && first(Arc::as_ptr(&texture.image).cast())
+            {
+                all.textures += texture.image.bytes();
+            }
+        }
+        all.film = Film::predicted_bytes(scene.camera().resolution(), options.aovs);
+        let tile = Film::predicted_bytes([TILE; 2], options.aovs);
+        all.threads = thread_count(options.threads) as u64 * (STACK + tile);
+        all
+    }
+
+    /// All bytes.
+    pub fn total(&self) -> u64 {
+        self.heights + self.bounds + self.geometry + self.textures + self.film + self.threads
+    }
+}
