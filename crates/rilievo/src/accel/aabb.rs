@@ -75,8 +75,8 @@ impl Aabb {
 /// A ray made ready for many slab tests.
 ///
 /// The test follows [Ize2013, robust slabs]: the far distances are multiplied by `1 + 2 gamma(3)`,
-/// which covers their rounding. Here the origin is spread as well, by [`GROWTH`] of its largest coordinate,
-/// for rays that start on a surface and are off it by rounding.
+/// which covers their rounding. Here the origin is spread as well, by [`GROWTH`] of its largest
+/// coordinate, for rays that start on a surface and are off it by rounding.
 ///
 /// A zero direction component (or one whose inverse overflows) leaves its slab's distances
 /// infinite, or NaN where the origin lies on a face; `f64::max` and `f64::min` pass over NaN, so
