@@ -55,14 +55,8 @@ pub struct Plan {
 impl Plan {
     /// These scenes with `rays` rays each, or as many as the environment's `RILIEVO_RAYS` says.
     pub fn new(scenes: Vec<Scene>, rays: u64) -> Self {
-        let asked = std::env::var("RILIEVO_RAYS")
-            .ok()
-            .and_then(|text| text.parse().ok());
-        Self {
-            scenes,
-            rays: asked.unwrap_or(rays),
-            seed: 1,
-        }
+        let asked = std::env::var("RILIEVO_RAYS").ok().and_then(|text| text.parse().ok());
+        Self { scenes, rays: asked.unwrap_or(rays), seed: 1 }
     }
 }
 
@@ -91,10 +85,8 @@ pub fn check(entries: &[Entry], plan: &Plan) -> Report {
 pub fn check_scene(entries: &[Entry], scene: &Scene, plan: &Plan, index: u64) -> Report {
     const BATCH: u64 = 1024;
     let oracle = scene.oracle();
-    let contenders: Vec<_> = entries
-        .iter()
-        .map(|entry| (entry.name, (entry.build)(scene)))
-        .collect();
+    let contenders: Vec<_> =
+        entries.iter().map(|entry| (entry.name, (entry.build)(scene))).collect();
     (0..plan.rays.div_ceil(BATCH))
         .into_par_iter()
         .map(|batch| {
@@ -146,7 +138,9 @@ fn check_ray(
     let judge = oracle.closest(ray);
     if let Some(kind) = difference(oracle, &hit, &judge) {
         if excused(oracle, ray, &hit) {
-            report.excused += 1;
+            let at_border = family == Family::Border;
+            report.excused += u64::from(!at_border);
+            report.at_border += u64::from(at_border);
         } else {
             report.push(found(kind, first, hit, judge));
         }
@@ -192,7 +186,8 @@ pub fn difference(
 
 /// Whether the oracle gives `answer` to some ray a nudge away.
 pub fn excused(oracle: &Oracle<'_>, ray: &Ray, answer: &Option<Hit>) -> bool {
-    nudged(ray.direction).any(|direction| {
+    let towards = answer.map(|hit| hit.position - ray.origin);
+    nudged(ray.direction, towards).any(|direction| {
         let judge = oracle.closest(&Ray { direction, ..*ray });
         difference(oracle, answer, &judge).is_none()
     })

@@ -3,6 +3,7 @@
 
 pub mod conformance;
 pub mod image;
+pub mod kernel;
 pub mod maps;
 pub mod nudge;
 pub mod oracle;

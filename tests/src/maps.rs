@@ -31,10 +31,7 @@ pub enum Shape {
 
 impl Shape {
     fn height(self, [i, j]: [u32; 2], [w, h]: [u32; 2]) -> f64 {
-        let (u, v) = (
-            f64::from(i) / f64::from(w - 1),
-            f64::from(j) / f64::from(h - 1),
-        );
+        let (u, v) = (f64::from(i) / f64::from(w - 1), f64::from(j) / f64::from(h - 1));
         let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
         match self {
             Self::Flat(height) => height,

@@ -1,30 +1,42 @@
 //! When two answers to one ray may differ: the rule of the nudge.
 //!
-//! A ray that touches an edge has no stable answer in finite arithmetic. So an answer that
-//! differs from the oracle's is excused if, and only if, the oracle itself gives that answer to
-//! some ray turned by at most 2e-6 radian. Everything else is an error of the method.
+//! A ray that touches an edge, or glides along a surface, has no stable answer in finite
+//! arithmetic. So an answer that differs from the oracle's is excused if, and only if, the oracle
+//! itself gives that answer to some ray turned by at most 2e-6 radian. Everything else is an error
+//! of the method.
 
 use glam::DVec3;
 
 /// Largest turn of the direction, in radian.
 pub const NUDGE: f64 = 2e-6;
 
-/// Directions tried on each cone around the ray.
+/// Directions tried on each cone.
 const TURNS: u32 = 16;
 
-/// Cones tried, of half, a quarter ... of the largest turn.
-const CONES: i32 = 8;
-
-/// `direction`, turned by at most [`NUDGE`] in many ways; its length changes by 1e-12 at most.
-pub fn nudged(direction: DVec3) -> impl Iterator<Item = DVec3> {
-    let (a, b) = direction.normalize().any_orthonormal_pair();
+/// Directions within [`NUDGE`] of `direction` and of its length: the one towards the point
+/// `answer` (as seen from the ray's origin) and cones around it, if that is near enough, then
+/// cones around `direction`.
+pub fn nudged(direction: DVec3, answer: Option<DVec3>) -> impl Iterator<Item = DVec3> {
     let length = direction.length();
-    (0..CONES).flat_map(move |cone| {
-        let radius = length * NUDGE * 0.5f64.powi(cone);
-        (0..TURNS).map(move |turn| {
-            let angle = f64::from(turn) / f64::from(TURNS) * std::f64::consts::TAU;
-            direction + radius * (angle.cos() * a + angle.sin() * b)
-        })
+    let towards = answer.and_then(DVec3::try_normalize).map(|unit| unit * length);
+    let aimed = towards.into_iter().flat_map(|centre| {
+        std::iter::once(centre)
+            .chain((3..20).flat_map(move |k| cone(centre, NUDGE * 0.5f64.powi(k))))
+    });
+    let near = move |turned: &DVec3| {
+        direction.cross(*turned).length() <= NUDGE * length * length && direction.dot(*turned) > 0.0
+    };
+    let around = (0..8).flat_map(move |k| cone(direction, NUDGE * 0.999 * 0.5f64.powi(k)));
+    aimed.chain(around).filter(near)
+}
+
+/// Directions turned from `axis` by `angle`, a small one.
+fn cone(axis: DVec3, angle: f64) -> impl Iterator<Item = DVec3> {
+    let (a, b) = axis.normalize().any_orthonormal_pair();
+    let radius = axis.length() * angle;
+    (0..TURNS).map(move |turn| {
+        let at = f64::from(turn) / f64::from(TURNS) * std::f64::consts::TAU;
+        axis + radius * (at.cos() * a + at.sin() * b)
     })
 }
 
@@ -35,10 +47,17 @@ mod tests {
     #[test]
     fn nudges_turn_by_no_more_than_they_may() {
         let direction = DVec3::new(3.0, -4.0, 12.0);
-        let mut largest = 0.0f64;
-        for turned in nudged(direction) {
-            largest = largest.max(direction.cross(turned).length() / (13.0 * 13.0));
+        let near = direction * 0.2 + DVec3::new(2e-6, 1e-6, 0.0);
+        for (answer, least) in [(None, 100), (Some(near), 150), (Some(DVec3::X), 100)] {
+            let mut largest = 0.0f64;
+            let mut count = 0;
+            for turned in nudged(direction, answer) {
+                largest = largest.max(direction.cross(turned).length() / (13.0 * 13.0));
+                count += 1;
+            }
+            assert!(largest <= NUDGE && largest > 0.99 * NUDGE && count >= least);
         }
-        assert!(largest <= NUDGE * 1.000_001 && largest > 0.99 * NUDGE);
+        let first = nudged(direction, Some(near)).next().unwrap();
+        assert!(first.cross(near).length() < 1e-13 * first.length());
     }
 }

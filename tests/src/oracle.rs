@@ -178,10 +178,7 @@ impl<'a> Oracle<'a> {
     /// Lowest and highest offset any sample can give.
     pub fn offsets(&self) -> (f64, f64) {
         let (low, high) = self.map.raw_range();
-        let (a, b) = (
-            self.offset_of(f64::from(low)),
-            self.offset_of(f64::from(high)),
-        );
+        let (a, b) = (self.offset_of(f64::from(low)), self.offset_of(f64::from(high)));
         (a.min(b), a.max(b))
     }
 
@@ -243,17 +240,9 @@ impl<'a> Oracle<'a> {
                 let stand = self.stand_of(wall);
                 let mut at = at;
                 at[stand.axis] = stand.coordinate;
-                Start {
-                    part,
-                    at,
-                    offset: face.z,
-                }
+                Start { part, at, offset: face.z }
             }
-            Part::Whole | Part::Triangle(_) => Start {
-                part,
-                at,
-                offset: face.z,
-            },
+            Part::Whole | Part::Triangle(_) => Start { part, at, offset: face.z },
         }
     }
 
@@ -267,11 +256,7 @@ impl<'a> Oracle<'a> {
     /// at `t = 0` is divided out of the quadratic, and its own wall is passed over.
     pub fn closest_from(&self, start: &Start, direction: DVec3) -> Option<OracleHit> {
         let d = self.lattice_from_face(self.face_from_world(direction));
-        let local = Local {
-            o: start.at.extend(start.offset),
-            d,
-            t_max: f64::INFINITY,
-        };
+        let local = Local { o: start.at.extend(start.offset), d, t_max: f64::INFINITY };
         self.nearest(&local, Some(start), false)
     }
 
@@ -280,11 +265,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn patch(&self, i: i32, j: i32) -> Patch {
-        Patch::new(
-            self.map
-                .unfolded_corners(i, j)
-                .map(|h| self.offset_of(f64::from(h))),
-        )
+        Patch::new(self.map.unfolded_corners(i, j).map(|h| self.offset_of(f64::from(h))))
     }
 
     fn face_from_world(&self, p: DVec3) -> DVec3 {
@@ -304,11 +285,7 @@ impl<'a> Oracle<'a> {
         let o = self.parameters(ray.origin);
         let at = self.at_zero + self.per_uv * DVec2::new(o.x, o.y);
         let d = self.lattice_from_face(self.face_from_world(ray.direction));
-        Local {
-            o: at.extend(o.z),
-            d,
-            t_max: ray.t_max,
-        }
+        Local { o: at.extend(o.z), d, t_max: ray.t_max }
     }
 
     fn nearest(&self, ray: &Local, start: Option<&Start>, all: bool) -> Option<OracleHit> {
@@ -408,14 +385,7 @@ impl<'a> Oracle<'a> {
         let at = ray.at(t);
         let uv = self.uv_of_lattice(at.truncate());
         let position = self.point(uv.x, uv.y, at.z);
-        *best = Some(OracleHit {
-            t,
-            position,
-            uv,
-            offset: at.z,
-            front,
-            part,
-        });
+        *best = Some(OracleHit { t, position, uv, offset: at.z, front, part });
     }
 }
 

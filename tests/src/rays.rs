@@ -11,7 +11,7 @@ use crate::oracle::Oracle;
 use crate::random::Random;
 
 /// A way to make rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
     /// From above at a point of the slab or beside it.
     Primary,
@@ -35,11 +35,14 @@ pub enum Family {
     Horizontal,
     /// Along the displacement.
     Vertical,
+    /// At a point of the surface on the very border of the face, where a ray has no stable
+    /// answer: all that can be asked is that some neighbour's is given.
+    Border,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Primary,
         Self::Behind,
         Self::Inside,
@@ -51,6 +54,7 @@ impl Family {
         Self::Grazing,
         Self::Horizontal,
         Self::Vertical,
+        Self::Border,
     ];
 
     /// A ray of this family at the scene of `oracle`.
@@ -87,6 +91,13 @@ impl Family {
                 let w = aim.offset(random);
                 let mut uv = || DVec2::new(random.range(-0.5, 1.5), random.range(-0.5, 1.5));
                 between(aim.world(uv(), w), aim.world(uv(), w))
+            }
+            Self::Border => {
+                let mut uv = DVec2::new(random.unit(), random.unit());
+                uv[random.integer(0, 1) as usize] = f64::from(random.integer(0, 1));
+                let side = random.sign();
+                let to = aim.world(uv, oracle.surface_offset(uv.x, uv.y));
+                between(aim.outside(random, side), to)
             }
             Self::Vertical => {
                 let uv = if random.one_in(3) {
@@ -132,12 +143,7 @@ impl<'a> Aim<'a> {
             (low, high) = (low.min(0.0), high.max(0.0));
         }
         let depth = (high - low).max(1e-3 * oracle.size());
-        Self {
-            oracle,
-            low,
-            high,
-            depth,
-        }
+        Self { oracle, low, high, depth }
     }
 
     fn world(&self, uv: DVec2, w: f64) -> DVec3 {
@@ -150,10 +156,7 @@ impl<'a> Aim<'a> {
     }
 
     fn within(&self, random: &mut Random) -> DVec3 {
-        self.world(
-            DVec2::new(random.unit(), random.unit()),
-            self.offset(random),
-        )
+        self.world(DVec2::new(random.unit(), random.unit()), self.offset(random))
     }
 
     fn near(&self, random: &mut Random) -> DVec3 {
@@ -164,33 +167,27 @@ impl<'a> Aim<'a> {
     fn outside(&self, random: &mut Random, side: f64) -> DVec3 {
         let uv = DVec2::new(random.range(-1.0, 2.0), random.range(-1.0, 2.0));
         let away = self.oracle.size() * random.range(0.05, 2.0);
-        self.world(
-            uv,
-            if side > 0.0 {
-                self.high + away
-            } else {
-                self.low - away
-            },
-        )
+        self.world(uv, if side > 0.0 { self.high + away } else { self.low - away })
     }
 
     fn back_off(&self, to: DVec3, direction: DVec3, random: &mut Random) -> (DVec3, DVec3) {
-        let reach = if random.one_in(4) {
-            self.depth
-        } else {
-            self.oracle.size()
-        };
+        let reach = if random.one_in(4) { self.depth } else { self.oracle.size() };
         let direction = direction * (reach * random.range(0.1, 2.0));
         (to - direction, direction)
     }
 
+    /// A point of the lattice, not on the border of the face.
     fn lattice_point(&self, random: &mut Random) -> DVec2 {
         let (low, high) = self.oracle.window();
-        let pick = |random: &mut Random, low: f64, high: f64| {
-            f64::from(random.integer(low.ceil() as i32, high.floor().max(low.ceil()) as i32))
-        };
-        let at = DVec2::new(pick(random, low.x, high.x), pick(random, low.y, high.y));
-        self.oracle.uv_of_lattice(at)
+        let (first, last) = (low.floor() + 1.0, high.ceil() - 1.0);
+        let mut uv = DVec2::new(random.unit(), random.unit());
+        for axis in 0..2 {
+            if first[axis] <= last[axis] {
+                let line = f64::from(random.integer(first[axis] as i32, last[axis] as i32));
+                uv[axis] = self.oracle.uv_of_lattice(DVec2::splat(line))[axis];
+            }
+        }
+        uv
     }
 
     fn sample(&self, random: &mut Random) -> DVec3 {
@@ -207,10 +204,7 @@ impl<'a> Aim<'a> {
         if random.one_in(2) {
             (a, b) = (b, a);
         }
-        between(
-            self.world(a, self.offset(random)),
-            self.world(b, self.offset(random)),
-        )
+        between(self.world(a, self.offset(random)), self.world(b, self.offset(random)))
     }
 
     fn through_points(&self, random: &mut Random) -> (DVec3, DVec3) {
@@ -222,10 +216,7 @@ impl<'a> Aim<'a> {
         let per_cell =
             self.oracle.uv_of_lattice(step * slope + low) - self.oracle.uv_of_lattice(low);
         let (a, b) = (uv - per_cell * reach, uv + per_cell * reach);
-        between(
-            self.world(a, self.offset(random)),
-            self.world(b, self.offset(random)),
-        )
+        between(self.world(a, self.offset(random)), self.world(b, self.offset(random)))
     }
 
     fn grazing(&self, random: &mut Random) -> (DVec3, DVec3) {

@@ -20,11 +20,7 @@ pub struct Scene {
 impl Scene {
     /// A scene of its own.
     pub fn new(name: impl Into<String>, map: HeightMap, place: Placement) -> Self {
-        Self {
-            name: name.into(),
-            map,
-            place,
-        }
+        Self { name: name.into(), map, place }
     }
 
     /// The judge of this scene.
@@ -43,12 +39,7 @@ pub fn unit_face(scale: f64) -> Placement {
 
 fn turned(size: f64, at: DVec3, scale: f64) -> Placement {
     let turn = DMat3::from_euler(glam::EulerRot::XYZ, 0.7, -0.4, 1.9);
-    Placement::new(
-        at,
-        turn * DVec3::X * size,
-        turn * DVec3::Y * (0.75 * size),
-        scale * size,
-    )
+    Placement::new(at, turn * DVec3::X * size, turn * DVec3::Y * (0.75 * size), scale * size)
 }
 
 /// The placements every kind of map meets in turn.
@@ -59,106 +50,29 @@ fn placements() -> Vec<(&'static str, Placement)> {
     };
     vec![
         ("unit", unit_face(0.1)),
-        (
-            "skewed",
-            Placement {
-                zero: 0.5,
-                ..skewed(0.2)
-            },
-        ),
+        ("skewed", Placement { zero: 0.5, ..skewed(0.2) }),
         ("turned", turned(1.0, DVec3::new(0.3, -2.0, 1.0), 0.15)),
-        (
-            "sunken",
-            Placement {
-                zero: 0.25,
-                ..unit_face(-0.2)
-            },
-        ),
-        (
-            "closed",
-            Placement {
-                closed: true,
-                ..unit_face(0.3)
-            },
-        ),
-        (
-            "closed across the plane",
-            Placement {
-                closed: true,
-                zero: 0.5,
-                ..skewed(-0.4)
-            },
-        ),
-        (
-            "one-sided",
-            Placement {
-                one_sided: true,
-                ..unit_face(0.2)
-            },
-        ),
-        (
-            "one-sided closed",
-            Placement {
-                one_sided: true,
-                closed: true,
-                ..skewed(0.3)
-            },
-        ),
-        (
-            "tiled",
-            Placement {
-                tile: [3.0, 2.0],
-                ..unit_face(0.1)
-            },
-        ),
+        ("sunken", Placement { zero: 0.25, ..unit_face(-0.2) }),
+        ("closed", Placement { closed: true, ..unit_face(0.3) }),
+        ("closed across the plane", Placement { closed: true, zero: 0.5, ..skewed(-0.4) }),
+        ("one-sided", Placement { one_sided: true, ..unit_face(0.2) }),
+        ("one-sided closed", Placement { one_sided: true, closed: true, ..skewed(0.3) }),
+        ("tiled", Placement { tile: [3.0, 2.0], ..unit_face(0.1) }),
         (
             "tiled and shifted",
-            Placement {
-                tile: [2.37, 1.61],
-                shift: [0.3, -0.45],
-                ..skewed(0.15)
-            },
+            Placement { tile: [2.37, 1.61], shift: [0.3, -0.45], ..skewed(0.15) },
         ),
         (
             "part of a tile, closed",
-            Placement {
-                tile: [0.43, 0.57],
-                shift: [0.31, 0.22],
-                closed: true,
-                ..unit_face(0.2)
-            },
+            Placement { tile: [0.43, 0.57], shift: [0.31, 0.22], closed: true, ..unit_face(0.2) },
         ),
-        (
-            "deep",
-            Placement {
-                zero: 0.3,
-                ..unit_face(4.0)
-            },
-        ),
+        ("deep", Placement { zero: 0.3, ..unit_face(4.0) }),
         ("thin", unit_face(1e-3)),
         ("far away", turned(1.0, FAR, 0.2)),
-        (
-            "far away and small",
-            Placement {
-                closed: true,
-                ..turned(1e-3, FAR, 0.2)
-            },
-        ),
+        ("far away and small", Placement { closed: true, ..turned(1e-3, FAR, 0.2) }),
         ("far away and vast", turned(1e6, FAR, 0.1)),
-        (
-            "tiny",
-            Placement {
-                tile: [2.0, 2.0],
-                ..turned(1e-3, DVec3::ZERO, 0.2)
-            },
-        ),
-        (
-            "vast",
-            Placement {
-                closed: true,
-                ..turned(1e6, DVec3::ZERO, 0.05)
-            },
-        ),
+        ("tiny", Placement { tile: [2.0, 2.0], ..turned(1e-3, DVec3::ZERO, 0.2) }),
+        ("vast", Placement { closed: true, ..turned(1e6, DVec3::ZERO, 0.05) }),
     ]
 }
 
@@ -178,12 +92,7 @@ const KINDS: [Kind; 17] = [
     ("white noise 64", Shape::White(4), [64, 64], true),
     ("white noise 31 floats", Shape::White(5), [31, 31], false),
     ("flat 16", Shape::Flat(0.5), [16, 16], true),
-    (
-        "ramp 9 x 12 floats",
-        Shape::Ramp(0.75, -0.5),
-        [9, 12],
-        false,
-    ),
+    ("ramp 9 x 12 floats", Shape::Ramp(0.75, -0.5), [9, 12], false),
     ("spike 80", Shape::Spike, [80, 80], true),
     ("ripple 96 floats", Shape::Ripple, [96, 96], false),
     ("noise 2 x 2", Shape::White(6), [2, 2], true),
@@ -226,8 +135,5 @@ pub fn all() -> Vec<Scene> {
 /// # Panics
 /// If no scene's name contains `words`.
 pub fn named(words: &str) -> Scene {
-    all()
-        .into_iter()
-        .find(|scene| scene.name.contains(words))
-        .expect("a scene of that name")
+    all().into_iter().find(|scene| scene.name.contains(words)).expect("a scene of that name")
 }

@@ -1,5 +1,6 @@
 //! What the suite found.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use rilievo::{Hit, Ray};
@@ -8,7 +9,7 @@ use crate::oracle::OracleHit;
 use crate::rays::Family;
 
 /// In what two answers differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// A miss where the oracle hits.
     Missed,
@@ -54,8 +55,12 @@ pub struct Report {
     pub hits: u64,
     /// Differences from the oracle that a nudge explains.
     pub excused: u64,
+    /// The same for rays aimed at the very border of the face.
+    pub at_border: u64,
     /// Differences that nothing explains.
     pub disagreements: u64,
+    /// The same by kind, family and entry.
+    pub counts: BTreeMap<(Kind, Family, &'static str), u64>,
     /// The first of them.
     pub examples: Vec<Disagreement>,
 }
@@ -71,7 +76,9 @@ impl Report {
             rays: 0,
             hits: 0,
             excused: 0,
+            at_border: 0,
             disagreements: 0,
+            counts: BTreeMap::new(),
             examples: Vec::new(),
         }
     }
@@ -79,6 +86,8 @@ impl Report {
     /// Adds a disagreement.
     pub fn push(&mut self, disagreement: Disagreement) {
         self.disagreements += 1;
+        let Disagreement { kind, family, who, .. } = disagreement;
+        *self.counts.entry((kind, family, who)).or_default() += 1;
         if self.examples.len() < Self::KEPT {
             self.examples.push(disagreement);
         }
@@ -90,7 +99,11 @@ impl Report {
         self.rays += other.rays;
         self.hits += other.hits;
         self.excused += other.excused;
+        self.at_border += other.at_border;
         self.disagreements += other.disagreements;
+        for (key, count) in other.counts {
+            *self.counts.entry(key).or_default() += count;
+        }
         self.examples.extend(other.examples);
         self.examples.truncate(Self::KEPT);
         self
@@ -104,15 +117,11 @@ impl Report {
     /// The counts and the examples, each a ray to start from.
     pub fn details(&self) -> String {
         let mut text = format!("{self}\n");
+        for ((kind, family, who), count) in &self.counts {
+            text += &format!("  {count} {kind:?} by {who}, {family:?}\n");
+        }
         for example in &self.examples {
-            let Disagreement {
-                kind,
-                who,
-                family,
-                ray,
-                answer,
-                judge,
-            } = example;
+            let Disagreement { kind, who, family, ray, answer, judge } = example;
             text += &format!("  {kind:?} by {who}, {family:?}\n    {ray:?}\n");
             text += &format!("    answer {answer:?}\n    oracle {judge:?}\n");
         }
@@ -124,8 +133,8 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}: {} rays, {} hits, {} disagreements, {} nudge-excused",
-            self.scene, self.rays, self.hits, self.disagreements, self.excused
+            "{}: {} rays, {} hits, {} disagreements, {} nudge-excused and {} at the border",
+            self.scene, self.rays, self.hits, self.disagreements, self.excused, self.at_border
         )
     }
 }

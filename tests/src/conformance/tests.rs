@@ -34,11 +34,7 @@ impl Contender for Judge<'_> {
             _ => along[0].normalize(),
         };
         let place = self.oracle.placement();
-        let height = if place.scale == 0.0 {
-            0.0
-        } else {
-            offset / place.scale + place.zero
-        };
+        let height = if place.scale == 0.0 { 0.0 } else { offset / place.scale + place.zero };
         Some(Hit {
             t,
             position: ray.at(t),
@@ -56,32 +52,18 @@ impl Contender for Judge<'_> {
 }
 
 fn judge(scene: &Scene) -> Box<dyn Contender + '_> {
-    Box::new(Judge {
-        oracle: scene.oracle(),
-        late: 0.0,
-        leaks: false,
-    })
+    Box::new(Judge { oracle: scene.oracle(), late: 0.0, leaks: false })
 }
 
 fn few(words: &[&str]) -> Plan {
     let scenes = words.iter().map(|words| scenes::named(words)).collect();
-    Plan {
-        scenes,
-        rays: 3000,
-        seed: 7,
-    }
+    Plan { scenes, rays: 3000, seed: 7 }
 }
 
 #[test]
 fn the_oracle_over_all_cells_passes() {
-    let entries = [Entry {
-        name: "judge",
-        build: judge,
-    }];
-    let report = check(
-        &entries,
-        &few(&["noise 3 x 5", "ramp 9 x 12", "white noise 31"]),
-    );
+    let entries = [Entry { name: "judge", build: judge }];
+    let report = check(&entries, &few(&["noise 3 x 5", "ramp 9 x 12", "white noise 31"]));
     assert!(report.rays == 9000 && report.hits > 2000, "{report}");
 }
 
@@ -89,13 +71,7 @@ fn the_oracle_over_all_cells_passes() {
 fn a_hit_a_little_late_is_caught() {
     let entries = [Entry {
         name: "late",
-        build: |scene| {
-            Box::new(Judge {
-                oracle: scene.oracle(),
-                late: 1e-3,
-                leaks: false,
-            })
-        },
+        build: |scene| Box::new(Judge { oracle: scene.oracle(), late: 1e-3, leaks: false }),
     }];
     let plan = few(&["ramp 9 x 12"]);
     let report = check_scene(&entries, &plan.scenes[0], &plan, 0);
@@ -104,44 +80,16 @@ fn a_hit_a_little_late_is_caught() {
 
 #[test]
 fn a_few_lost_rays_are_caught_by_both_comparisons() {
-    let leaky: fn(&Scene) -> Box<dyn Contender + '_> = |scene| {
-        Box::new(Judge {
-            oracle: scene.oracle(),
-            late: 0.0,
-            leaks: true,
-        })
-    };
+    let leaky: fn(&Scene) -> Box<dyn Contender + '_> =
+        |scene| Box::new(Judge { oracle: scene.oracle(), late: 0.0, leaks: true });
     let plan = few(&["noise 3 x 5"]);
-    let alone = [Entry {
-        name: "leaky",
-        build: leaky,
-    }];
+    let alone = [Entry { name: "leaky", build: leaky }];
     let report = check_scene(&alone, &plan.scenes[0], &plan, 0);
     assert!(report.disagreements > 3, "{report}");
-    assert!(
-        report
-            .examples
-            .iter()
-            .any(|example| example.kind == Kind::Missed)
-    );
-    let beside = [
-        Entry {
-            name: "judge",
-            build: judge,
-        },
-        Entry {
-            name: "leaky",
-            build: leaky,
-        },
-    ];
+    assert!(report.examples.iter().any(|example| example.kind == Kind::Missed));
+    let beside = [Entry { name: "judge", build: judge }, Entry { name: "leaky", build: leaky }];
     let report = check_scene(&beside, &plan.scenes[0], &plan, 0);
-    assert!(
-        report
-            .examples
-            .iter()
-            .all(|example| example.kind == Kind::Bits),
-        "{report}"
-    );
+    assert!(report.examples.iter().all(|example| example.kind == Kind::Bits), "{report}");
     assert!(report.disagreements > 3, "{report}");
 }
 

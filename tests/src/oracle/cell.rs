@@ -25,12 +25,7 @@ pub(super) struct Patch {
 impl Patch {
     /// From the corners `[h00, h10, h01, h11]`.
     pub(super) fn new([h00, h10, h01, h11]: [f64; 4]) -> Self {
-        Self {
-            a: h00,
-            b: h10 - h00,
-            c: h01 - h00,
-            d: (h11 - h10) - (h01 - h00),
-        }
+        Self { a: h00, b: h10 - h00, c: h01 - h00, d: (h11 - h10) - (h01 - h00) }
     }
 
     pub(super) fn value(&self, p: DVec2) -> f64 {
@@ -44,11 +39,7 @@ impl Patch {
     /// Coefficients A, B, C of the gap `A s^2 + B s + C` about `p` along `d`.
     fn gap(&self, p: DVec3, d: DVec3) -> [f64; 3] {
         let slope = self.gradient(p.truncate());
-        [
-            -self.d * d.x * d.y,
-            d.z - slope.dot(d.truncate()),
-            p.z - self.value(p.truncate()),
-        ]
+        [-self.d * d.x * d.y, d.z - slope.dot(d.truncate()), p.z - self.value(p.truncate())]
     }
 
     /// All roots on the stretch `[ta, tb]` of the ray `o + t d`.
@@ -85,11 +76,7 @@ fn quadratic(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
     }
     let q = -0.5 * (b + discriminant.sqrt().copysign(b));
     let finite = |s: f64| s.is_finite().then_some(s);
-    if q == 0.0 {
-        [Some(0.0), None]
-    } else {
-        [finite(q / a), finite(c / q)]
-    }
+    if q == 0.0 { [Some(0.0), None] } else { [finite(q / a), finite(c / q)] }
 }
 
 /// `a b - c d` to within two roundings.
@@ -133,10 +120,7 @@ mod tests {
     #[test]
     fn roots_far_apart_in_size_keep_their_digits() {
         let [one, two] = quadratic(1.0, -1e8, 1.0);
-        let (small, large) = (
-            one.unwrap().min(two.unwrap()),
-            one.unwrap().max(two.unwrap()),
-        );
+        let (small, large) = (one.unwrap().min(two.unwrap()), one.unwrap().max(two.unwrap()));
         assert!((small * 1e8 - 1.0).abs() < 1e-15);
         assert!((large / 1e8 - 1.0).abs() < 1e-15);
     }

@@ -37,9 +37,7 @@ impl Oracle<'_> {
             }
         };
         if self.place.closed {
-            [Wall::LowU, Wall::HighU, Wall::LowV, Wall::HighV]
-                .into_iter()
-                .for_each(&mut meet);
+            [Wall::LowU, Wall::HighU, Wall::LowV, Wall::HighV].into_iter().for_each(&mut meet);
         }
         seams(self.map.x(), self.low.x, self.high.x).for_each(|x| meet(Wall::SeamU(x)));
         seams(self.map.y(), self.low.y, self.high.y).for_each(|y| meet(Wall::SeamV(y)));
@@ -96,10 +94,6 @@ fn seams(axis: &Axis, low: f64, high: f64) -> impl Iterator<Item = i32> + use<> 
     let jumps = axis.lattice() == Lattice::Vertex && axis.wrap() == Wrap::Repeat;
     let period = axis.period() as i32;
     let first = (low / f64::from(period)).floor() as i32 + 1;
-    let end = if jumps {
-        (high / f64::from(period)).ceil() as i32
-    } else {
-        first
-    };
+    let end = if jumps { (high / f64::from(period)).ceil() as i32 } else { first };
     (first..end).map(move |k| k * period)
 }
