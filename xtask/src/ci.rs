@@ -17,11 +17,7 @@ struct Step {
 }
 
 const FORMAT: &[Step] = &[
-    Step {
-        name: "format",
-        arguments: &["fmt", "--all", "--check"],
-        environment: &[],
-    },
+    Step { name: "format", arguments: &["fmt", "--all", "--check"], environment: &[] },
     Step {
         name: "format of the fuzz targets",
         arguments: &["fmt", "--manifest-path", "fuzz/Cargo.toml", "--check"],
@@ -32,26 +28,12 @@ const FORMAT: &[Step] = &[
 const COMPILED: &[Step] = &[
     Step {
         name: "clippy",
-        arguments: &[
-            "clippy",
-            "--locked",
-            "--workspace",
-            "--all-targets",
-            "--",
-            "-D",
-            "warnings",
-        ],
+        arguments: &["clippy", "--locked", "--workspace", "--all-targets", "--", "-D", "warnings"],
         environment: &[],
     },
     Step {
         name: "documentation",
-        arguments: &[
-            "doc",
-            "--locked",
-            "--workspace",
-            "--no-deps",
-            "--document-private-items",
-        ],
+        arguments: &["doc", "--locked", "--workspace", "--no-deps", "--document-private-items"],
         environment: &[("RUSTDOCFLAGS", "-D warnings")],
     },
     Step {
@@ -59,11 +41,7 @@ const COMPILED: &[Step] = &[
         arguments: &["check", "--locked", "--manifest-path", "fuzz/Cargo.toml"],
         environment: &[],
     },
-    Step {
-        name: "tests",
-        arguments: &["test", "--locked", "--workspace"],
-        environment: &[],
-    },
+    Step { name: "tests", arguments: &["test", "--locked", "--workspace"], environment: &[] },
 ];
 
 /// Runs all steps from the repository root; says whether all passed.
@@ -73,20 +51,13 @@ pub fn run(root: &Path) -> bool {
         && tidy::run(root)
         && COMPILED.iter().all(|step| cargo(root, step));
     let verdict = if passed { "passed" } else { "FAILED" };
-    say(&format!(
-        "ci {verdict} after {:.0} s",
-        begin.elapsed().as_secs_f64()
-    ));
+    say(&format!("ci {verdict} after {:.0} s", begin.elapsed().as_secs_f64()));
     passed
 }
 
 /// Runs one step; says whether it passed. Cargo's own output goes where ours goes.
 fn cargo(root: &Path, step: &Step) -> bool {
-    say(&format!(
-        "== {}: cargo {}",
-        step.name,
-        step.arguments.join(" ")
-    ));
+    say(&format!("== {}: cargo {}", step.name, step.arguments.join(" ")));
     let begin = Instant::now();
     // Cargo names itself to the programs it runs; outside of it, take the one on the path.
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -103,11 +74,7 @@ fn cargo(root: &Path, step: &Step) -> bool {
         }
     };
     let verdict = if passed { "passed" } else { "FAILED" };
-    say(&format!(
-        "== {}: {verdict} in {:.0} s",
-        step.name,
-        begin.elapsed().as_secs_f64()
-    ));
+    say(&format!("== {}: {verdict} in {:.0} s", step.name, begin.elapsed().as_secs_f64()));
     passed
 }
 
@@ -136,11 +103,8 @@ mod tests {
 
     #[test]
     fn a_failing_command_fails_its_step() {
-        let step = Step {
-            name: "no such command",
-            arguments: &["no-such-command"],
-            environment: &[],
-        };
+        let step =
+            Step { name: "no such command", arguments: &["no-such-command"], environment: &[] };
         assert!(!cargo(Path::new(env!("CARGO_MANIFEST_DIR")), &step));
     }
 }

@@ -34,15 +34,7 @@ const BANS: &[Ban] = &[
         message: "keeps a clock; only programs may",
     },
     Ban {
-        words: &[
-            "print!",
-            "println!",
-            "eprint!",
-            "eprintln!",
-            "dbg!",
-            "stdout()",
-            "stderr()",
-        ],
+        words: &["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()"],
         folders: &[CORE, RENDER, IO],
         tests_too: false,
         message: "prints; only programs may",
@@ -82,11 +74,7 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
             if !ban.folders.iter().any(|folder| path.starts_with(folder)) {
                 continue;
             }
-            let code = if ban.tests_too {
-                &source.code
-            } else {
-                &shipped
-            };
+            let code = if ban.tests_too { &source.code } else { &shipped };
             for (index, line) in code.lines().enumerate() {
                 if let Some(word) = ban.words.iter().find(|word| holds_word(line, word)) {
                     let message = format!("`{word}` {}", ban.message);
@@ -164,9 +152,6 @@ mod tests {
         let text =
             "#[allow(dead_code)]\nfn f() {}\n#[cfg(test)]\nmod tests {\n#[ignore]\nfn t() {}\n}";
         let found = found("xtask/src/a.rs", text);
-        assert_eq!(
-            found.iter().map(|f| f.0).collect::<Vec<_>>(),
-            [Some(1), Some(5)]
-        );
+        assert_eq!(found.iter().map(|f| f.0).collect::<Vec<_>>(), [Some(1), Some(5)]);
     }
 }

@@ -39,10 +39,8 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
         for citation in citations.iter().filter(|citation| !citation.escaped) {
             let line = comments.lines().nth(citation.line - 1).unwrap_or("").trim();
             if line.starts_with("///") || line.starts_with("//!") {
-                let message = format!(
-                    "rustdoc takes [{0}] for a link; write \\[{0}\\]",
-                    citation.key
-                );
+                let message =
+                    format!("rustdoc takes [{0}] for a link; write \\[{0}\\]", citation.key);
                 unescaped.push(Finding::error(path, Some(citation.line), message));
             }
         }
@@ -103,13 +101,8 @@ fn citations(text: &str) -> Vec<Citation> {
 
 /// A capital, letters, four digits, perhaps one small letter.
 fn is_key(word: &str) -> bool {
-    let word = word
-        .strip_suffix(|c: char| c.is_ascii_lowercase())
-        .unwrap_or(word);
-    let Some((name, year)) = word
-        .len()
-        .checked_sub(4)
-        .and_then(|at| word.split_at_checked(at))
+    let word = word.strip_suffix(|c: char| c.is_ascii_lowercase()).unwrap_or(word);
+    let Some((name, year)) = word.len().checked_sub(4).and_then(|at| word.split_at_checked(at))
     else {
         return false;
     };
@@ -126,10 +119,7 @@ mod tests {
     const BIB: &str = "@article{Whitted1980,\n}\n@book{Unused2001a,\n}\n";
 
     fn found(files: &[(&str, &str)]) -> Vec<String> {
-        check(&Tree::of(files))
-            .iter()
-            .map(Finding::to_string)
-            .collect()
+        check(&Tree::of(files)).iter().map(Finding::to_string).collect()
     }
 
     #[test]
@@ -137,16 +127,7 @@ mod tests {
         for key in ["Whitted1980", "Thonat2021b", "DupuyBenyoub2023"] {
             assert!(is_key(key), "{key}");
         }
-        for word in [
-            "whitted1980",
-            "1980",
-            "Whitted",
-            "Whitted80",
-            "R2D2",
-            "A1980",
-            "é1980",
-            "",
-        ] {
+        for word in ["whitted1980", "1980", "Whitted", "Whitted80", "R2D2", "A1980", "é1980", ""] {
             assert!(!is_key(word), "{word}");
         }
     }

@@ -117,11 +117,10 @@ fn names_missing_path(tree: &Tree, code: &str) -> bool {
         return false;
     };
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
-    let in_root = tree.files().iter().any(|file| {
-        file.path
-            .split_once('/')
-            .is_some_and(|(root, _)| root == first)
-    });
+    let in_root = tree
+        .files()
+        .iter()
+        .any(|file| file.path.split_once('/').is_some_and(|(root, _)| root == first));
     in_root && code.chars().all(plain) && !tree.holds(code)
 }
 
@@ -156,10 +155,7 @@ mod tests {
             ("[a](B.md#not-a-heading)", "names no heading"),
         ] {
             let found = found(text);
-            assert!(
-                found.len() == 1 && found[0].contains(part),
-                "{text}: {found:?}"
-            );
+            assert!(found.len() == 1 && found[0].contains(part), "{text}: {found:?}");
         }
     }
 

@@ -13,10 +13,7 @@ const GRAPH: &[(&str, &[&str])] = &[
     ("rilievo-render", &["rilievo"]),
     ("rilievo-io", &["rilievo", "rilievo-render"]),
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io"]),
-    (
-        "rilievo-tests",
-        &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"],
-    ),
+    ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io"]),
     ("xtask", &[]),
 ];
@@ -29,10 +26,7 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
         }
         let manifest = Manifest::new(text);
         let Some((_, allowed)) = GRAPH.iter().find(|(name, _)| *name == manifest.name) else {
-            let message = format!(
-                "package \"{}\" has no place in the crate graph",
-                manifest.name
-            );
+            let message = format!("package \"{}\" has no place in the crate graph", manifest.name);
             findings.push(Finding::error(path, None, message));
             continue;
         };
@@ -62,11 +56,8 @@ struct Manifest {
 impl Manifest {
     /// Reads the tables line by line, as Cargo.toml files are written: one key a line.
     fn new(text: &str) -> Self {
-        let mut manifest = Self {
-            name: String::new(),
-            dependencies: Vec::new(),
-            takes_workspace_lints: false,
-        };
+        let mut manifest =
+            Self { name: String::new(), dependencies: Vec::new(), takes_workspace_lints: false };
         let mut table = String::new();
         for (index, line) in text.lines().enumerate() {
             let line = line.trim();
@@ -100,10 +91,7 @@ impl Manifest {
 /// `dependencies`, `dev-dependencies`, `build-dependencies`, for any target.
 fn is_dependencies(table: &str) -> bool {
     let last = table.rsplit('.').next().unwrap_or(table);
-    matches!(
-        last,
-        "dependencies" | "dev-dependencies" | "build-dependencies"
-    )
+    matches!(last, "dependencies" | "dev-dependencies" | "build-dependencies")
 }
 
 #[cfg(test)]
@@ -151,9 +139,6 @@ mod tests {
             ["package \"rilievo-extra\" has no place in the crate graph"]
         );
         let lax = "[package]\nname = \"xtask\"\n";
-        assert_eq!(
-            found("xtask/Cargo.toml", lax),
-            ["lacks [lints] workspace = true"]
-        );
+        assert_eq!(found("xtask/Cargo.toml", lax), ["lacks [lints] workspace = true"]);
     }
 }

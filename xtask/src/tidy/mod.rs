@@ -5,6 +5,7 @@
 
 mod calls;
 mod citations;
+mod gallery;
 mod heads;
 mod links;
 mod manifests;
@@ -43,19 +44,11 @@ struct Finding {
 
 impl Finding {
     fn error(path: &str, line: Option<usize>, message: impl Into<String>) -> Self {
-        Self {
-            level: Level::Error,
-            path: path.to_owned(),
-            line,
-            message: message.into(),
-        }
+        Self { level: Level::Error, path: path.to_owned(), line, message: message.into() }
     }
 
     fn warning(path: &str, line: Option<usize>, message: impl Into<String>) -> Self {
-        Self {
-            level: Level::Warning,
-            ..Self::error(path, line, message)
-        }
+        Self { level: Level::Warning, ..Self::error(path, line, message) }
     }
 }
 
@@ -84,6 +77,7 @@ const RULES: &[fn(&Tree) -> Vec<Finding>] = &[
     links::check,
     paths::check,
     origins::check,
+    gallery::check,
 ];
 
 /// Checks the repository at `root`, prints what it finds, and says whether no rule is broken.
@@ -101,10 +95,7 @@ pub fn run(root: &Path) -> bool {
     }
     let errors = count(&findings, Level::Error);
     let warnings = count(&findings, Level::Warning);
-    say(&format!(
-        "tidy: {} files, {errors} errors, {warnings} warnings",
-        tree.files().len()
-    ));
+    say(&format!("tidy: {} files, {errors} errors, {warnings} warnings", tree.files().len()));
     errors == 0
 }
 
@@ -136,10 +127,7 @@ mod tests {
         )]);
         let messages: Vec<String> = check(&tree).iter().map(Finding::to_string).collect();
         for part in ["module name", "module doc", "reads files", "issue number"] {
-            assert!(
-                messages.iter().any(|m| m.contains(part)),
-                "{part}: {messages:?}"
-            );
+            assert!(messages.iter().any(|m| m.contains(part)), "{part}: {messages:?}");
         }
     }
 }

@@ -3,9 +3,8 @@
 use super::Finding;
 use super::tree::Tree;
 
-const FORBIDDEN: &[&str] = &[
-    "common", "helper", "helpers", "misc", "shared", "stuff", "util", "utils",
-];
+const FORBIDDEN: &[&str] =
+    &["common", "helper", "helpers", "misc", "shared", "stuff", "util", "utils"];
 
 pub fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();

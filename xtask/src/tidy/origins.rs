@@ -18,10 +18,7 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
             continue;
         }
         // One report a folder.
-        if findings
-            .last()
-            .is_none_or(|last| folder_of(&last.path) != file.folder())
-        {
+        if findings.last().is_none_or(|last| folder_of(&last.path) != file.folder()) {
             let message = "data without ORIGIN.md or a licence file beside it";
             findings.push(Finding::error(&file.path, None, message));
         }

@@ -30,9 +30,7 @@ pub fn check(tree: &Tree) -> Vec<Finding> {
 
 /// Licences and maps are other people's text and stay as they were.
 fn is_foreign(file: &File) -> bool {
-    ["LICENSE", "COPYING"]
-        .iter()
-        .any(|name| file.name().starts_with(name))
+    ["LICENSE", "COPYING"].iter().any(|name| file.name().starts_with(name))
         || super::origins::is_data(file)
 }
 
@@ -60,9 +58,6 @@ mod tests {
             ("maps/c.obj", &bad),
         ]);
         let found: Vec<_> = check(&tree).into_iter().map(|f| (f.path, f.line)).collect();
-        assert_eq!(
-            found,
-            [("a.md".to_owned(), Some(1)), ("a.md".to_owned(), Some(2))]
-        );
+        assert_eq!(found, [("a.md".to_owned(), Some(1)), ("a.md".to_owned(), Some(2))]);
     }
 }

@@ -41,17 +41,8 @@ mod tests {
         let text = |lines| "\n".repeat(lines);
         let (fine, long, too_long) = (text(400), text(401), text(801));
         let tree = Tree::of(&[("a.rs", &fine), ("b.rs", &long), ("c.rs", &too_long)]);
-        let found: Vec<_> = check(&tree)
-            .into_iter()
-            .map(|f| (f.path, f.level))
-            .collect();
-        assert_eq!(
-            found,
-            [
-                ("b.rs".to_owned(), Level::Warning),
-                ("c.rs".to_owned(), Level::Error)
-            ]
-        );
+        let found: Vec<_> = check(&tree).into_iter().map(|f| (f.path, f.level)).collect();
+        assert_eq!(found, [("b.rs".to_owned(), Level::Warning), ("c.rs".to_owned(), Level::Error)]);
     }
 
     #[test]

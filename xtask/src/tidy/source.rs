@@ -24,10 +24,7 @@ impl Source {
     /// Parts `text`. Text that is no valid Rust is parted somehow.
     pub fn new(text: &str) -> Self {
         let chars: Vec<char> = text.chars().collect();
-        let mut source = Self {
-            code: String::with_capacity(text.len()),
-            comments: String::new(),
-        };
+        let mut source = Self { code: String::with_capacity(text.len()), comments: String::new() };
         let mut at = 0;
         while at < chars.len() {
             let (kind, len) = token(&chars, at);
@@ -44,10 +41,8 @@ impl Source {
         let mut code = self.code.clone();
         while let Some(start) = code.find("#[cfg(test)]") {
             let end = end_of_item(&code, start);
-            let blank: String = code[start..end]
-                .chars()
-                .map(|c| if c == '\n' { '\n' } else { ' ' })
-                .collect();
+            let blank: String =
+                code[start..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }).collect();
             code.replace_range(start..end, &blank);
         }
         code
@@ -117,10 +112,7 @@ fn string(rest: &[char]) -> usize {
 
 /// An escaped character literal: quote, backslash, escaped character, ..., quote.
 fn character(rest: &[char]) -> usize {
-    rest.iter()
-        .skip(3)
-        .position(|&c| c == '\'')
-        .map_or(rest.len(), |end| end + 4)
+    rest.iter().skip(3).position(|&c| c == '\'').map_or(rest.len(), |end| end + 4)
 }
 
 fn starts_raw_string(chars: &[char], at: usize) -> bool {
@@ -165,11 +157,8 @@ mod tests {
     use super::*;
 
     fn code(text: &str) -> String {
-        let words: Vec<String> = Source::new(text)
-            .code
-            .split_whitespace()
-            .map(str::to_owned)
-            .collect();
+        let words: Vec<String> =
+            Source::new(text).code.split_whitespace().map(str::to_owned).collect();
         words.join(" ")
     }
 
@@ -201,16 +190,7 @@ mod tests {
         let text = "a // b\n  \"é\" c\n";
         let source = Source::new(text);
         assert_eq!(source.code.lines().count(), 2);
-        assert_eq!(
-            source
-                .code
-                .lines()
-                .nth(1)
-                .unwrap()
-                .chars()
-                .position(|c| c == 'c'),
-            Some(6)
-        );
+        assert_eq!(source.code.lines().nth(1).unwrap().chars().position(|c| c == 'c'), Some(6));
         assert_eq!(source.comments.lines().next().unwrap(), "  // b");
     }
 

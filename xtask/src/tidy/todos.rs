@@ -41,17 +41,11 @@ mod tests {
     #[test]
     fn marks_need_an_issue() {
         let tree = Tree::of(&[
-            (
-                "a.rs",
-                "// TODO: mend\n// TODO(#12): mend\n/* FIXME */ let s = \"TODO\";",
-            ),
+            ("a.rs", "// TODO: mend\n// TODO(#12): mend\n/* FIXME */ let s = \"TODO\";"),
             ("b.toml", "key = 1 # XXX why\n# HACK #3"),
             ("c.rs", "// todos.rs and TODOS are other words"),
         ]);
-        let found: Vec<_> = check(&tree)
-            .into_iter()
-            .map(|f| (f.path, f.line.unwrap()))
-            .collect();
+        let found: Vec<_> = check(&tree).into_iter().map(|f| (f.path, f.line.unwrap())).collect();
         let expected = [("a.rs", 1), ("a.rs", 3), ("b.toml", 1)];
         assert_eq!(found, expected.map(|(path, line)| (path.to_owned(), line)));
     }

@@ -48,13 +48,7 @@ impl Tree {
     /// When git cannot be asked, or a file cannot be read.
     pub fn read(root: &Path) -> io::Result<Self> {
         let output = Command::new("git")
-            .args([
-                "ls-files",
-                "-z",
-                "--cached",
-                "--others",
-                "--exclude-standard",
-            ])
+            .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
             .current_dir(root)
             .output()?;
         if !output.status.success() {
@@ -110,10 +104,7 @@ impl Tree {
 
     /// The text of one file.
     pub fn text(&self, path: &str) -> Option<&str> {
-        self.files
-            .iter()
-            .find(|file| file.path == path)
-            .and_then(|file| file.text.as_deref())
+        self.files.iter().find(|file| file.path == path).and_then(|file| file.text.as_deref())
     }
 
     /// Whether `path` is a file or a folder of the tree.
@@ -136,14 +127,8 @@ mod tests {
     fn parts_of_a_path() {
         let tree = Tree::of(&[("a/b.c/d.rs", ""), ("Makefile", "")]);
         let [deep, root] = tree.files() else { panic!() };
-        assert_eq!(
-            (deep.name(), deep.extension(), deep.folder()),
-            ("d.rs", "rs", "a/b.c")
-        );
-        assert_eq!(
-            (root.name(), root.extension(), root.folder()),
-            ("Makefile", "", "")
-        );
+        assert_eq!((deep.name(), deep.extension(), deep.folder()), ("d.rs", "rs", "a/b.c"));
+        assert_eq!((root.name(), root.extension(), root.folder()), ("Makefile", "", ""));
     }
 
     #[test]
