@@ -14,9 +14,11 @@ pub mod atomic;
 mod error;
 mod guard;
 pub mod image;
+mod kind;
 mod limits;
 pub mod map_file;
 pub mod mesh;
 
 pub use error::{Error, Excerpt, Fault, Place, Result};
+pub use kind::FileKind;
 pub use limits::Limits;

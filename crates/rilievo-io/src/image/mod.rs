@@ -2,7 +2,7 @@
 //!
 //! | format | height map | colour | named channels | written |
 //! |---|---|---|---|---|
-//! | PNG 1-16 bit, all colour types | yes | yes, sRGB | yes | RGB 8 bit, grey 16 bit |
+//! | PNG 1-16 bit, all colour types | yes | yes, sRGB | yes | RGB 8 and 16 bit, grey 16 bit |
 //! | TIFF 8-64 bit integers, 16-64 bit floats | yes | 8, 16 bit: sRGB; floats: linear | yes | no |
 //! | JPEG 8 bit | yes | yes, sRGB | yes | no |
 //! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | float, ZIP |
@@ -36,7 +36,7 @@ pub use height::HeightOptions;
 pub use normal::NormalOptions;
 pub use source::{ImageInfo, SampleKind};
 pub use write_exr::{Picture, PictureChannel};
-pub use write_png::{write_png_grey16, write_png_rgb8};
+pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 
 use crate::error::Result;
 use crate::guard::guarded;

@@ -1,4 +1,4 @@
-//! PNG writing: 8-bit RGB marked as sRGB, 16-bit grey.
+//! PNG writing: 8-bit RGB marked as sRGB, 16-bit grey, 16-bit RGB.
 
 use std::io::Write;
 use std::path::Path;
@@ -33,6 +33,22 @@ pub fn write_png_grey16(path: &Path, size: [u32; 2], codes: &[u16]) -> Result<()
     write(path, |out| {
         let mut encoder = Encoder::new(out, size[0], size[1]);
         encoder.set_color(ColorType::Grayscale);
+        encoder.set_depth(BitDepth::Sixteen);
+        finish(encoder, &bytes)
+    })
+}
+
+/// Writes `width` x `height` 16-bit RGB codes, top row first, whole or not at all. They are numbers,
+/// such as normals, and not marked as colours.
+///
+/// # Errors
+/// As [`write_png_rgb8`].
+pub fn write_png_rgb16(path: &Path, size: [u32; 2], codes: &[[u16; 3]]) -> Result<()> {
+    check(path, size, codes.len())?;
+    let bytes: Vec<u8> = codes.as_flattened().iter().flat_map(|code| code.to_be_bytes()).collect();
+    write(path, |out| {
+        let mut encoder = Encoder::new(out, size[0], size[1]);
+        encoder.set_color(ColorType::Rgb);
         encoder.set_depth(BitDepth::Sixteen);
         finish(encoder, &bytes)
     })

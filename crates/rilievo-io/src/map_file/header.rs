@@ -11,7 +11,7 @@ use crate::error::{Error, Place, Result};
 /// Bytes of a header.
 pub(super) const BYTES: usize = 128;
 
-const MAGIC: [u8; 8] = [0x89, b'R', b'L', b'V', b'O', b'\r', b'\n', 0x1a];
+pub(super) const MAGIC: [u8; 8] = [0x89, b'R', b'L', b'V', b'O', b'\r', b'\n', 0x1a];
 const VERSION: u32 = 1;
 
 /// Largest number of samples along an axis of a height map.

@@ -237,6 +237,11 @@ impl BakedMap {
     }
 }
 
+/// Whether a file that begins with `head` is a baked map, of whatever version.
+pub(crate) fn is_map_file(head: &[u8]) -> bool {
+    head.starts_with(&header::MAGIC)
+}
+
 /// Hands over the bytes of `values` in pieces of a multiple of eight bytes, but for the last.
 fn pieces<T: Copy, const N: usize>(
     values: &[T],
