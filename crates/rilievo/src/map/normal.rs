@@ -275,15 +275,18 @@ impl NormalMap {
     pub fn normal_in_cell(&self, cell: [i32; 2], local: [f64; 2]) -> DVec3 {
         let ((i0, i1), (j0, j1)) =
             (self.x.unfolded_corners(cell[0]), self.y.unfolded_corners(cell[1]));
-        // What is shown in a mirror leans the other way.
-        let sign = |flipped: bool| if flipped { -1.0 } else { 1.0 };
-        let (sx, sy) = (sign(self.x.run(cell[0]).flipped), sign(self.y.run(cell[1]).flipped));
-        let normal = |(i, j): (u32, u32)| {
+        let normal = |right: bool, up: bool| {
+            let (i, j) = (if right { i1 } else { i0 }, if up { j1 } else { j0 });
             let at = j as usize * self.x.samples() as usize + i as usize;
             let [x, y, z] = self.normals[at].map(f64::from);
-            DVec3::new(sx * x, sy * y, z)
+            // What is shown in a mirror leans the other way.
+            let x = if mirrored(&self.x, cell[0], right) { -x } else { x };
+            let y = if mirrored(&self.y, cell[1], up) { -y } else { y };
+            DVec3::new(x, y, z)
         };
-        interpolate([(i0, j0), (i1, j0), (i0, j1), (i1, j1)].map(normal), local)
+        let corners =
+            [normal(false, false), normal(true, false), normal(false, true), normal(true, true)];
+        interpolate(corners, local)
     }
 
     /// The same relief's normals on a face of another size or depth: made in metric `from`, used in
@@ -327,6 +330,17 @@ impl NormalTexels {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// Whether a corner of an unfolded cell shows its sample in a mirror. On the vertex lattice mirrors
+/// stand at samples, and the cell tells; on the texel lattice they stand between samples, and the
+/// corner itself does: it lies in the mirror if the cell before it does.
+fn mirrored(axis: &Axis, cell: i32, far: bool) -> bool {
+    let cell = match axis.lattice() {
+        Lattice::Vertex => cell,
+        Lattice::Texel => cell.saturating_add(i32::from(far)).saturating_sub(1),
+    };
+    axis.run(cell).flipped
 }
 
 /// The unit normal of slopes in raw units per cell.

@@ -234,7 +234,7 @@ fn gradient(hash: u64) -> [f64; 2] {
     }
 }
 
-/// The finaliser of SplitMix64 [Steele2014]: a bijection that spreads every input bit.
+/// The finaliser of SplitMix64 \[Steele2014\]: a bijection that spreads every input bit.
 fn mix(mut z: u64) -> u64 {
     z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -28,8 +28,8 @@
 //! themselves, which the margin of the domain covers. Flooring is downwards too: the stored code is
 //! the largest whose value is at most `sqrt(D^2) - margin`.
 //!
-//! **What we changed.** [Donnelly2005] propagates vectors to voxels of the surface and errs upwards;
-//! [Felzenszwalb2012] measures point to point. The box kernel, the exact height intervals and the
+//! **What we changed.** \[Donnelly2005\] propagates vectors to voxels of the surface and errs upwards;
+//! \[Felzenszwalb2012\] measures point to point. The box kernel, the exact height intervals and the
 //! integer envelope are ours.
 //!
 //! **Memory.** The codes, 8 bytes a column, and 8 bytes a column of the slab in work per thread.
@@ -119,6 +119,11 @@ impl Boxes {
         (steps * self.unit).sqrt()
     }
 
+    /// The squared distance, in steps, of a distance.
+    pub fn steps(&self, distance: f64) -> f64 {
+        distance * distance / self.unit
+    }
+
     /// The codes of all voxels; slabs in parallel.
     pub fn codes<C: Code>(&self, quantiser: &Quantiser) -> Vec<C> {
         let [nx, ny, nz] = self.size.map(|n| n as usize);
@@ -182,7 +187,14 @@ impl Work {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixtures::{Random, cases};
     use super::*;
+    use crate::map::{
+        DistanceBits, DistanceKind, DistanceMap, DistanceOptions, Pyramid, exact_distance,
+    };
+
+    /// Sizes below, at and above the number of cells, none dividing the other.
+    const SIZES: [[u32; 3]; 3] = [[3, 4, 5], [7, 5, 2], [17, 13, 9]];
 
     #[test]
     fn divisions_own_the_cells_they_overlap_and_no_neighbour() {
@@ -192,5 +204,62 @@ mod tests {
         assert_eq!(cells_of(0, 2, 5), (0, 2));
         assert_eq!(cells_of(4, 10, 3), (1, 1));
         assert_eq!(cells_of(3, 10, 3), (0, 1));
+    }
+
+    #[test]
+    fn every_code_is_the_floor_of_the_brute_force_box_distance() {
+        for (map, metric) in cases() {
+            for size in SIZES {
+                let options = DistanceOptions { size, metric, bits: DistanceBits::U16 };
+                let stored = DistanceMap::from_height(&map, DistanceKind::Boxes, &options).unwrap();
+                let domain = Domain::of(&map, metric).unwrap();
+                let columns = Boxes::new(&map, &domain, size).columns;
+                let [nx, ny, nz] = size;
+                for at in 0..nx * ny * nz {
+                    let voxel = [at % nx, at / nx % ny, at / nx / ny];
+                    let (low, high) = stored.voxel_bounds(voxel);
+                    let nearest = columns.iter().enumerate().map(|(c, &(lo, hi))| {
+                        let column = [c as u32 % nx, c as u32 / nx];
+                        let gap = |a: usize| {
+                            f64::from(column[a].abs_diff(voxel[a]).saturating_sub(1))
+                                * domain.extents()[a]
+                                / f64::from(size[a])
+                        };
+                        let z = (f64::from(lo) - high[2]).max(low[2] - f64::from(hi)).max(0.0);
+                        gap(0).hypot(gap(1)).hypot(z * metric.z)
+                    });
+                    let want = nearest.fold(f64::INFINITY, f64::min);
+                    let d = stored.at(voxel[0], voxel[1], voxel[2]);
+                    assert!(d <= want, "{size:?} {voxel:?}: {d} over {want}");
+                    let slack = stored.quantum() + 1e-6 * want;
+                    assert!(d + slack >= want, "{size:?} {voxel:?}: {d} well under {want}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_code_is_above_the_true_distance_of_any_point_of_its_voxel() {
+        let mut random = Random(1);
+        for (map, metric) in cases() {
+            let pyramid = Pyramid::build(&map);
+            for (size, bits) in
+                SIZES.into_iter().zip([DistanceBits::U16, DistanceBits::U8, DistanceBits::U16])
+            {
+                let options = DistanceOptions { size, metric, bits };
+                let stored = DistanceMap::from_height(&map, DistanceKind::Boxes, &options).unwrap();
+                for at in 0..size.iter().product() {
+                    let voxel = [at % size[0], at / size[0] % size[1], at / size[0] / size[1]];
+                    let d = stored.at(voxel[0], voxel[1], voxel[2]);
+                    if d == 0.0 {
+                        continue;
+                    }
+                    let p = random.point(stored.voxel_bounds(voxel));
+                    let (_, upper) = exact_distance(&map, &pyramid, metric, p, 0.0);
+                    assert!(d <= upper, "{size:?} {voxel:?} {p:?}: {d} over {upper}");
+                    assert!(stored.safe_distance(p) <= upper);
+                }
+            }
+        }
     }
 }

@@ -110,6 +110,11 @@ impl Quantiser {
         // The cast rounds towards zero and takes negative numbers to 0.
         (((distance - self.margin) / self.quantum) as u32).min(self.max)
     }
+
+    /// A distance that certainly gets `code` or a higher one, little above the least that does.
+    pub fn clear_distance(&self, code: u32) -> f64 {
+        (f64::from(code.min(self.max)) * self.quantum + self.margin) * (1.0 + 1e-9)
+    }
 }
 
 /// The quantum with which the deepest possible distance gets the highest code, so that nothing is

@@ -105,7 +105,9 @@ pub(super) fn trilinear(nodes: [f64; 8], [u, v, w]: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixtures::{Random, cases};
     use super::*;
+    use crate::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, exact_distance};
     use proptest::prelude::*;
 
     proptest! {
@@ -121,6 +123,58 @@ mod tests {
             let corrected = trilinear(nodes, local) - variance.sqrt();
             prop_assert!(safe(nodes, local, sides) >= corrected - 1e-12);
         }
+    }
+
+    #[test]
+    fn no_reading_is_above_the_true_distance_and_node_codes_are_tight() {
+        let mut random = Random(2);
+        for (map, metric) in cases() {
+            let pyramid = Pyramid::build(&map);
+            for (size, bits) in [
+                ([4, 5, 6], DistanceBits::U16),
+                ([2, 2, 2], DistanceBits::U8),
+                ([9, 7, 4], DistanceBits::U16),
+            ] {
+                let options = DistanceOptions { size, metric, bits };
+                let kind = DistanceKind::Corrected;
+                let stored = DistanceMap::from_height(&map, kind, &options).unwrap();
+                let domain = Domain::of(&map, metric).unwrap();
+                for at in 0..size.iter().product() {
+                    let node = [at % size[0], at / size[0] % size[1], at / size[0] / size[1]];
+                    let p = std::array::from_fn(|a| domain.division(a, node[a], size[a] - 1));
+                    let (lower, upper) = exact_distance(&map, &pyramid, metric, p, 0.0);
+                    let d = stored.at(node[0], node[1], node[2]);
+                    assert!(d <= upper && d + stored.quantum() * (1.0 + 1e-9) + 1e-12 > lower);
+                }
+                let [low, high] = [domain.low(), domain.high()];
+                for _ in 0..60 {
+                    let p = random.point((low, high));
+                    let (_, upper) = exact_distance(&map, &pyramid, metric, p, 0.0);
+                    let d = stored.safe_distance(p);
+                    assert!(d <= upper, "{size:?} {p:?}: {d} over {upper}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn uncorrected_interpolation_of_exact_nodes_overshoots() {
+        let (map, metric) = cases().swap_remove(0);
+        let pyramid = Pyramid::build(&map);
+        let options = DistanceOptions { size: [7, 5, 8], metric, bits: DistanceBits::U16 };
+        let stored = DistanceMap::from_height(&map, DistanceKind::Corrected, &options).unwrap();
+        let domain = Domain::of(&map, metric).unwrap();
+        let mut random = Random(8);
+        let over = (0..400)
+            .filter(|_| {
+                let p = random.point((domain.low(), domain.high()));
+                let (nodes, local) = stored.corners_at(p);
+                let (_, upper) = exact_distance(&map, &pyramid, metric, p, 0.0);
+                trilinear(nodes, local) > upper
+            })
+            .count();
+        // 180 when written.
+        assert!(over > 120, "{over} of 400");
     }
 
     #[test]

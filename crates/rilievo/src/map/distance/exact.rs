@@ -315,3 +315,73 @@ fn box_distance(low: [f64; 3], high: [f64; 3]) -> f64 {
     let gap = |a: usize| low[a].max(-high[a]).max(0.0);
     length([gap(0), gap(1), gap(2)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{Random, cases};
+    use super::*;
+    use crate::map::{Lattice, Procedural, Wrap};
+
+    /// Least distance to a fine grid of surface points, and the most it can be too large.
+    fn sampled(heights: &HeightMap, metric: Metric, p: [f64; 3]) -> (f64, f64) {
+        const STEPS: u32 = 24;
+        let (mut least, mut steepest) = (f64::INFINITY, 0.0f64);
+        for cy in 0..heights.y().cells() {
+            for cx in 0..heights.x().cells() {
+                let h = heights.stored_corners(cx, cy).map(f64::from);
+                let rise = (h[1] - h[0]).abs().max((h[3] - h[2]).abs());
+                steepest = steepest.max(rise.max((h[2] - h[0]).abs()).max((h[3] - h[1]).abs()));
+                for k in 0..(STEPS + 1) * (STEPS + 1) {
+                    let (u, v) = (k % (STEPS + 1), k / (STEPS + 1));
+                    let (u, v) = (f64::from(u) / f64::from(STEPS), f64::from(v) / f64::from(STEPS));
+                    let (low, high) = (h[0] + (h[1] - h[0]) * u, h[2] + (h[3] - h[2]) * u);
+                    let z = low + (high - low) * v;
+                    least = least.min(length([
+                        (f64::from(cx) + u - p[0]) * metric.x,
+                        (f64::from(cy) + v - p[1]) * metric.y,
+                        (z - p[2]) * metric.z,
+                    ]));
+                }
+            }
+        }
+        let step = [metric.x, metric.y, 2.0 * steepest * metric.z];
+        (least, length(step) / f64::from(STEPS))
+    }
+
+    #[test]
+    fn bounds_enclose_the_distance_to_sampled_surfaces() {
+        let mut random = Random(4);
+        for (map, metric) in cases() {
+            let pyramid = Pyramid::build(&map);
+            let (lo, hi) = map.raw_range();
+            let range = f64::from(hi - lo);
+            let low = [0.0, 0.0, f64::from(lo) - range];
+            let high = [map.x().cells().into(), map.y().cells().into(), f64::from(hi) + range];
+            for _ in 0..12 {
+                let p = random.point((low, high));
+                let (least, coarse) = sampled(&map, metric, p);
+                for tolerance in [0.0, 0.01] {
+                    let (lower, upper) = exact_distance(&map, &pyramid, metric, p, tolerance);
+                    assert!(lower <= upper && upper - lower <= tolerance + 1e-9);
+                    assert!(lower <= least * (1.0 + 1e-12) + 1e-9, "{p:?}: {lower} over {least}");
+                    assert!(least <= upper + coarse, "{p:?}: {upper} under {least}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_and_a_plateau_are_as_far_as_geometry_says() {
+        let ramp = Procedural::Ramp.height_map_f32([9, 9], Lattice::Vertex, Wrap::Clamp).unwrap();
+        let pyramid = Pyramid::build(&ramp);
+        let metric = Metric { x: 0.125, y: 0.125, z: 1.0 };
+        // A plane at 45 degrees, queried 0.25 above its middle. Stored cells start one before.
+        let (lower, upper) = exact_distance(&ramp, &pyramid, metric, [5.0, 5.0, 0.75], 0.0);
+        let want = 0.25 / 2.0f64.sqrt();
+        assert!((lower - want).abs() < 1e-12 && (upper - want).abs() < 1e-12, "{lower} {upper}");
+        let step = Procedural::Step.height_map_f32([9, 9], Lattice::Vertex, Wrap::Repeat).unwrap();
+        let pyramid = Pyramid::build(&step);
+        let (lower, upper) = exact_distance(&step, &pyramid, Metric::UNIT, [6.0, 4.0, 3.5], 0.0);
+        assert!((lower - 2.5).abs() < 1e-12 && (upper - 2.5).abs() < 1e-12, "{lower} {upper}");
+    }
+}

@@ -31,12 +31,16 @@ mod corrected;
 mod default_size;
 mod domain;
 mod exact;
+#[cfg(test)]
+mod fixtures;
+mod parts;
 mod published;
 mod transform;
 mod verify;
 
 pub use codes::{Codes, DistanceBits};
 pub use exact::exact_distance;
+pub use parts::{DistanceMapError, DistanceParts};
 pub use verify::{DistanceViolation, UnsafeCodes};
 
 use super::{HeightMap, Metric, Pyramid};
@@ -44,9 +48,7 @@ use boxes::Boxes;
 use codes::{Code, Quantiser};
 use corrected::Nodes;
 use domain::Domain;
-
-/// Most codes a map may have.
-const MAX_CODES: u64 = 1 << 31;
+use parts::count;
 
 /// How distances are made and read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -70,69 +72,6 @@ pub struct DistanceOptions {
     pub bits: DistanceBits,
 }
 
-/// Why a distance map was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DistanceMapError {
-    /// Too few voxels or nodes along an axis, or too many altogether.
-    #[error(
-        "a distance map of this kind has at least {least} along each axis and at most 2^31 \
-         altogether, not {size:?}"
-    )]
-    Size {
-        /// The size given.
-        size: [u32; 3],
-        /// The least size along an axis.
-        least: u32,
-    },
-    /// A metric that is not positive, or whose distances leave the range of f64.
-    #[error("a reference metric must be positive and of moderate size, not {metric:?}")]
-    Metric {
-        /// The metric given.
-        metric: Metric,
-    },
-    /// A domain that no height map has.
-    #[error("no height map has {cells:?} cells and raw heights from {} to {}", raw.0, raw.1)]
-    Domain {
-        /// The cells given.
-        cells: [u32; 2],
-        /// The range given.
-        raw: (f32, f32),
-    },
-    /// A quantum that is not a positive number.
-    #[error("the quantum of distances must be positive and finite, not {quantum}")]
-    Quantum {
-        /// The quantum given.
-        quantum: f64,
-    },
-    /// Another number of codes than the size says.
-    #[error("{size:?} needs {} codes, {found} were given", count(*size))]
-    Count {
-        /// The size given.
-        size: [u32; 3],
-        /// The codes given.
-        found: usize,
-    },
-}
-
-/// All that a distance map is, for storing and loading.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DistanceParts {
-    /// How it was made and is read.
-    pub kind: DistanceKind,
-    /// Voxels or nodes along x, y and z.
-    pub size: [u32; 3],
-    /// Stored cells of the height map along x and y.
-    pub cells: [u32; 2],
-    /// Lowest and highest raw height.
-    pub raw_range: (f32, f32),
-    /// The reference metric.
-    pub metric: Metric,
-    /// Scene units of one code step.
-    pub quantum: f64,
-    /// The codes, x fastest, then y, then z.
-    pub codes: Codes,
-}
-
 /// Distances over the stored cells of a height map. Valid by construction, safe as made; one that
 /// was loaded is as safe as its file, see [`DistanceMap::verify`].
 #[derive(Clone, Debug, PartialEq)]
@@ -146,27 +85,6 @@ pub struct DistanceMap {
     density: [f64; 3],
     /// Sides of a voxel between nodes or of a voxel, scene units.
     sides: [f64; 3],
-}
-
-/// Number of codes of a size.
-fn count(size: [u32; 3]) -> u128 {
-    size.iter().map(|&n| u128::from(n)).product()
-}
-
-impl DistanceKind {
-    /// The least size along an axis.
-    pub fn least_size(self) -> u32 {
-        match self {
-            Self::Boxes => 1,
-            Self::Published | Self::Corrected => 2,
-        }
-    }
-
-    fn check_size(self, size: [u32; 3]) -> Result<(), DistanceMapError> {
-        let least = self.least_size();
-        let fits = size.iter().all(|&n| n >= least) && count(size) <= u128::from(MAX_CODES);
-        if fits { Ok(()) } else { Err(DistanceMapError::Size { size, least }) }
-    }
 }
 
 impl DistanceMap {
@@ -389,6 +307,105 @@ impl Build<'_> {
                 let pyramid = &Pyramid::build(heights);
                 Nodes { heights, pyramid, domain, size, quantiser }.codes()
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fixtures::{Random, cases, noise};
+    use super::*;
+    use crate::map::{Lattice, Wrap};
+
+    const KINDS: [DistanceKind; 3] =
+        [DistanceKind::Published, DistanceKind::Boxes, DistanceKind::Corrected];
+
+    #[test]
+    fn parts_make_the_same_map_again() {
+        let (heights, metric) = cases().swap_remove(0);
+        for kind in KINDS {
+            for bits in [DistanceBits::U8, DistanceBits::U16] {
+                let options = DistanceOptions { size: [3, 4, 5], metric, bits };
+                let map = DistanceMap::from_height(&heights, kind, &options).unwrap();
+                assert_eq!(DistanceMap::from_parts(map.to_parts()).unwrap(), map);
+                assert!(map.fits(&heights));
+                assert_eq!(u128::from(map.bytes()), DistanceMap::predicted_bytes([3, 4, 5], bits));
+            }
+        }
+    }
+
+    #[test]
+    fn bad_sizes_metrics_and_parts_are_refused() {
+        let (heights, metric) = cases().swap_remove(0);
+        let bits = DistanceBits::U8;
+        let make = |kind, size, metric| {
+            let options = DistanceOptions { size, metric, bits };
+            DistanceMap::from_height(&heights, kind, &options)
+        };
+        for (kind, size) in [
+            (DistanceKind::Boxes, [1, 0, 1]),
+            (DistanceKind::Corrected, [2, 1, 2]),
+            (DistanceKind::Published, [u32::MAX; 3]),
+            (DistanceKind::Boxes, [1 << 11, 1 << 11, (1 << 9) + 1]),
+        ] {
+            let least = kind.least_size();
+            let error = make(kind, size, metric).unwrap_err();
+            assert_eq!(error, DistanceMapError::Size { size, least });
+        }
+        for z in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e200, 1e-300] {
+            let metric = Metric { x: 1e-300, y: 1e-300, z };
+            let error = make(DistanceKind::Boxes, [2; 3], metric).unwrap_err();
+            assert!(matches!(error, DistanceMapError::Metric { .. }), "{z}");
+        }
+        let parts = make(DistanceKind::Boxes, [2; 3], metric).unwrap().to_parts();
+        let refused = |change: fn(&mut DistanceParts)| {
+            let mut parts = parts.clone();
+            change(&mut parts);
+            DistanceMap::from_parts(parts).unwrap_err()
+        };
+        let size = refused(|p| p.size = [2, 2, 3]);
+        assert_eq!(size, DistanceMapError::Count { size: [2, 2, 3], found: 8 });
+        for quantum in [refused(|p| p.quantum = 0.0), refused(|p| p.quantum = f64::NAN)] {
+            assert!(matches!(quantum, DistanceMapError::Quantum { .. }));
+        }
+        for domain in [refused(|p| p.cells = [0, 3]), refused(|p| p.raw_range = (2.0, 1.0))] {
+            assert!(matches!(domain, DistanceMapError::Domain { .. }));
+        }
+    }
+
+    #[test]
+    fn voxels_hold_their_points_and_points_outside_use_the_nearest() {
+        let mut random = Random(5);
+        for (heights, metric) in cases() {
+            for kind in KINDS {
+                let size = [5, 7, 3];
+                let options = DistanceOptions { size, metric, bits: DistanceBits::U16 };
+                let map = DistanceMap::from_height(&heights, kind, &options).unwrap();
+                let (low, high) = (map.domain.low(), map.domain.high());
+                for _ in 0..50 {
+                    let p = random.point((low, high));
+                    let (a, b) = map.voxel_bounds(map.voxel_of(p));
+                    assert!((0..3).all(|k| a[k] - 1e-9 <= p[k] && p[k] <= b[k] + 1e-9));
+                }
+                let above = [1.5, 2.5, high[2] + 1e6];
+                assert_eq!(map.safe_distance(above), map.safe_distance([1.5, 2.5, high[2]]));
+                let below = [-7.0, 2.5, low[2] - 1e6];
+                assert_eq!(map.safe_distance(below), map.safe_distance([0.0, 2.5, low[2]]));
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_map() {
+        let heights = noise([23, 17], Lattice::Texel, Wrap::Repeat);
+        let metric = Metric::of_face(&heights, [1.0, 0.8], 0.3);
+        let options = DistanceOptions { size: [19, 20, 6], metric, bits: DistanceBits::U16 };
+        for kind in KINDS {
+            let maps = [1, 2, 7].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| DistanceMap::from_height(&heights, kind, &options).unwrap())
+            });
+            assert!(maps[0] == maps[1] && maps[1] == maps[2], "{kind:?}");
         }
     }
 }

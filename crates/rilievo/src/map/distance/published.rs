@@ -97,3 +97,61 @@ fn within(x: f64, radius: f64, n: usize) -> (usize, usize) {
     let last = (x + radius).floor().min(n as f64 - 1.0);
     (first.min(n), last as usize + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{Random, cases};
+    use super::*;
+    use crate::map::{
+        DistanceBits, DistanceKind, DistanceMap, DistanceOptions, Lattice, Metric, Procedural,
+        Pyramid, Wrap, exact_distance,
+    };
+
+    fn published(map: &HeightMap, metric: Metric, size: [u32; 3]) -> DistanceMap {
+        let options = DistanceOptions { size, metric, bits: DistanceBits::U16 };
+        DistanceMap::from_height(map, DistanceKind::Published, &options).unwrap()
+    }
+
+    #[test]
+    fn nodes_over_samples_hold_the_distance_to_the_nearest_sample() {
+        for (map, metric) in cases() {
+            let [cells_x, cells_y] = [map.x().cells(), map.y().cells()];
+            let size = [cells_x + 1, cells_y + 1, 4];
+            let stored = published(&map, metric, size);
+            let domain = Domain::of(&map, metric).unwrap();
+            let texels = Texels::new(&map, &domain);
+            for at in 0..size.iter().product() {
+                let node = [at % size[0], at / size[0] % size[1], at / size[0] / size[1]];
+                let z = domain.division(2, node[2], 3);
+                let brute = texels.raw.iter().enumerate().map(|(t, &raw)| {
+                    let (i, j) = ((t % texels.width) as f64, (t / texels.width) as f64);
+                    let dx = (i - f64::from(node[0])) * metric.x;
+                    let dy = (j - f64::from(node[1])) * metric.y;
+                    dx.hypot(dy).hypot((f64::from(raw) - z) * metric.z)
+                });
+                let want = brute.fold(f64::INFINITY, f64::min);
+                let d = stored.at(node[0], node[1], node[2]);
+                assert!((0.0..=stored.quantum() * 1.001).contains(&(want - d)), "{node:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_step_is_overshot_nearly_everywhere_near_it() {
+        let map = Procedural::Step.height_map([32, 32], Lattice::Vertex, Wrap::Clamp).unwrap();
+        let metric = Metric::of_face(&map, [1.0, 1.0], 1.0);
+        let stored = published(&map, metric, [34, 34, 32]);
+        let pyramid = Pyramid::build(&map);
+        let mut random = Random(3);
+        let high = f64::from(map.raw_range().1);
+        let over = (0..500)
+            .filter(|_| {
+                let p = random.point(([13.0, 0.0, 0.0], [20.0, 33.0, high]));
+                let (_, upper) = exact_distance(&map, &pyramid, metric, p, 0.0);
+                stored.safe_distance(p) > upper
+            })
+            .count();
+        // 390 when written.
+        assert!(over > 300, "{over} of 500");
+    }
+}

@@ -3,7 +3,7 @@
 //! For a line `f(0..n)` the transform is `out(q) = min_v w max(|q - v| - 1, 0)^2 + f(v)`. For
 //! integers `max(|m| - 1, 0)^2 = min over e in {-1, 0, 1} of (m - e)^2`: the kernel of boxes is the
 //! parabola's after a 3-tap minimum. What is left is the ordinary lower envelope, in linear time,
-//! here in the form of [Meijster2000]: two scans with integer separators.
+//! here in the form of \[Meijster2000\]: two scans with integer separators.
 //!
 //! **No rounding.** `w` and all `f(v)` are integers held in f64, with `w n^2 + max f <= 2^51`.
 //! Sums, differences and products below are integers under `2^53`, hence exact. The separator of

@@ -69,7 +69,10 @@ impl DistanceMap {
             DistanceKind::Boxes => {
                 let boxes = Boxes::new(heights, &self.domain, self.size);
                 let tree = ColumnTree::new(&boxes, self.size);
-                self.count(|| (), |(), voxel, stored| tree.allowed(voxel, stored, &quantiser))
+                let quantiser = &quantiser;
+                self.count(Vec::new, |stack, voxel, code| {
+                    tree.allowed(stack, voxel, Stored { code, quantiser })
+                })
             }
             DistanceKind::Corrected | DistanceKind::Published => {
                 let (domain, size) = (&self.domain, self.size);
@@ -116,6 +119,20 @@ struct ColumnTree<'a> {
     levels: Vec<Grid>,
 }
 
+/// A block of a level that may hold a column too near.
+#[derive(Clone, Copy)]
+struct Block {
+    level: usize,
+    at: [u32; 2],
+}
+
+/// A code under suspicion.
+#[derive(Clone, Copy)]
+struct Stored<'a> {
+    code: u32,
+    quantiser: &'a Quantiser,
+}
+
 /// Row-major intervals of one level.
 struct Grid {
     size: [u32; 2],
@@ -143,17 +160,22 @@ impl<'a> ColumnTree<'a> {
     }
 
     /// The highest safe code of a voxel, or `stored` if that is safe.
-    fn allowed(&self, voxel: [u32; 3], stored: u32, quantiser: &Quantiser) -> u32 {
+    fn allowed(&self, stack: &mut Vec<Block>, voxel: [u32; 3], stored: Stored<'_>) -> u32 {
         let slab = self.boxes.slab(voxel[2]);
-        let mut allowed = stored;
-        let mut stack = vec![(self.levels.len() - 1, [0u32, 0u32])];
-        while let Some((level, at)) = stack.pop() {
+        let clear = self.boxes.steps(stored.quantiser.clear_distance(stored.code));
+        let mut allowed = stored.code;
+        stack.clear();
+        stack.push(Block { level: self.levels.len() - 1, at: [0, 0] });
+        while let Some(Block { level, at }) = stack.pop() {
             let grid = &self.levels[level];
             let column = grid.bounds[at[1] as usize * grid.size[0] as usize + at[0] as usize];
             let steps = self.across(0, voxel[0], level, at[0])
                 + self.across(1, voxel[1], level, at[1])
                 + self.boxes.vertical(slab, column);
-            let code = quantiser.code(self.boxes.distance(steps));
+            if steps > clear {
+                continue;
+            }
+            let code = stored.quantiser.code(self.boxes.distance(steps));
             if code >= allowed {
                 continue;
             }
@@ -164,7 +186,7 @@ impl<'a> ColumnTree<'a> {
             let below = self.levels[level - 1].size;
             for j in 4 * at[1]..(4 * at[1] + 4).min(below[1]) {
                 for i in 4 * at[0]..(4 * at[0] + 4).min(below[0]) {
-                    stack.push((level - 1, [i, j]));
+                    stack.push(Block { level: level - 1, at: [i, j] });
                 }
             }
         }
@@ -179,5 +201,63 @@ impl<'a> ColumnTree<'a> {
         let at = u64::from(at);
         let voxels = first.saturating_sub(at).max(at.saturating_sub(last));
         self.boxes.across(axis, voxels.saturating_sub(1) as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::cases;
+    use super::*;
+    use crate::map::{Codes, DistanceBits, DistanceOptions, Metric, Procedural};
+    use crate::map::{Lattice, Wrap};
+
+    fn raised(map: &DistanceMap, at: usize) -> Option<DistanceMap> {
+        let mut parts = map.to_parts();
+        match &mut parts.codes {
+            Codes::U8(v) => v[at] = v[at].checked_add(1)?,
+            Codes::U16(v) => v[at] = v[at].checked_add(1)?,
+        }
+        Some(DistanceMap::from_parts(parts).unwrap())
+    }
+
+    #[test]
+    fn any_single_code_raised_by_one_is_caught() {
+        for (heights, metric) in cases() {
+            let pyramid = Pyramid::build(&heights);
+            for (kind, bits) in [
+                (DistanceKind::Boxes, DistanceBits::U16),
+                (DistanceKind::Boxes, DistanceBits::U8),
+                (DistanceKind::Corrected, DistanceBits::U16),
+            ] {
+                let size = [5, 4, 3];
+                let options = DistanceOptions { size, metric, bits };
+                let map = DistanceMap::from_height(&heights, kind, &options).unwrap();
+                assert_eq!(map.verify(&heights, &pyramid), Ok(()));
+                for at in 0..map.codes().len() {
+                    let Some(bad) = raised(&map, at) else { continue };
+                    let code = map.codes().get(at);
+                    let i = at as u32;
+                    let index = [i % 5, i / 5 % 4, i / 20];
+                    let want = DistanceViolation::Unsafe { index, stored: code + 1, allowed: code };
+                    assert_eq!(bad.verify(&heights, &pyramid), Err(want), "{kind:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_published_map_of_a_step_has_unsafe_codes_and_other_heights_are_told_apart() {
+        let step = Procedural::Step.height_map([16, 16], Lattice::Vertex, Wrap::Clamp).unwrap();
+        let metric = Metric::of_face(&step, [1.0, 1.0], 1.0);
+        let options = DistanceOptions { size: [17, 17, 9], metric, bits: DistanceBits::U16 };
+        let kind = DistanceKind::Published;
+        let map = DistanceMap::from_height(&step, kind, &options).unwrap();
+        let pyramid = Pyramid::build(&step);
+        let found = map.unsafe_codes(&step, &pyramid).unwrap();
+        assert!(found.count > 100, "{}", found.count);
+        assert_eq!(map.verify(&step, &pyramid).err(), found.first);
+        let other = Procedural::Ramp.height_map([17, 16], Lattice::Vertex, Wrap::Clamp).unwrap();
+        let error = map.verify(&other, &Pyramid::build(&other)).unwrap_err();
+        assert_eq!(error, DistanceViolation::Heights);
     }
 }

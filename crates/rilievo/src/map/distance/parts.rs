@@ -1,0 +1,92 @@
+//! What a distance map consists of, and what is refused.
+
+use super::{Codes, DistanceKind};
+use crate::map::Metric;
+
+/// Most codes a map may have.
+const MAX_CODES: u128 = 1 << 31;
+
+/// Why a distance map was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DistanceMapError {
+    /// Too few voxels or nodes along an axis, or too many altogether.
+    #[error(
+        "a distance map of this kind has at least {least} along each axis and at most 2^31 \
+         altogether, not {size:?}"
+    )]
+    Size {
+        /// The size given.
+        size: [u32; 3],
+        /// The least size along an axis.
+        least: u32,
+    },
+    /// A metric that is not positive, or whose distances leave the range of f64.
+    #[error("a reference metric must be positive and of moderate size, not {metric:?}")]
+    Metric {
+        /// The metric given.
+        metric: Metric,
+    },
+    /// A domain that no height map has.
+    #[error("no height map has {cells:?} cells and raw heights from {} to {}", raw.0, raw.1)]
+    Domain {
+        /// The cells given.
+        cells: [u32; 2],
+        /// The range given.
+        raw: (f32, f32),
+    },
+    /// A quantum that is not a positive number.
+    #[error("the quantum of distances must be positive and finite, not {quantum}")]
+    Quantum {
+        /// The quantum given.
+        quantum: f64,
+    },
+    /// Another number of codes than the size says.
+    #[error("{size:?} needs {} codes, {found} were given", count(*size))]
+    Count {
+        /// The size given.
+        size: [u32; 3],
+        /// The codes given.
+        found: usize,
+    },
+}
+
+/// All that a distance map is, for storing and loading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceParts {
+    /// How it was made and is read.
+    pub kind: DistanceKind,
+    /// Voxels or nodes along x, y and z.
+    pub size: [u32; 3],
+    /// Stored cells of the height map along x and y.
+    pub cells: [u32; 2],
+    /// Lowest and highest raw height.
+    pub raw_range: (f32, f32),
+    /// The reference metric.
+    pub metric: Metric,
+    /// Scene units of one code step.
+    pub quantum: f64,
+    /// The codes, x fastest, then y, then z.
+    pub codes: Codes,
+}
+
+/// Number of codes of a size.
+pub(super) fn count(size: [u32; 3]) -> u128 {
+    size.iter().map(|&n| u128::from(n)).product()
+}
+
+impl DistanceKind {
+    /// The least size along an axis.
+    pub fn least_size(self) -> u32 {
+        match self {
+            Self::Boxes => 1,
+            Self::Published | Self::Corrected => 2,
+        }
+    }
+
+    /// Refuses sizes that are too small or too large altogether.
+    pub(super) fn check_size(self, size: [u32; 3]) -> Result<(), DistanceMapError> {
+        let least = self.least_size();
+        let fits = size.iter().all(|&n| n >= least) && count(size) <= MAX_CODES;
+        if fits { Ok(()) } else { Err(DistanceMapError::Size { size, least }) }
+    }
+}
