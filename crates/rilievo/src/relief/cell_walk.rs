@@ -6,7 +6,7 @@
 use crate::map::HeightMap;
 use crate::probe::Probe;
 
-use super::leaf::{self, Crossings, LeafHit};
+use super::leaf::{Crossings, LeafHit};
 use super::map_ray::MapRay;
 use super::tile::Tile;
 
@@ -22,8 +22,7 @@ pub(crate) fn walk_cells<P: Probe>(
     let mut cell = tile.cell_at(ray, from);
     loop {
         probe.cell();
-        let corners = tile.corners(map, cell);
-        if let Some(hit) = leaf::intersect(ray, cell, &corners, admit) {
+        if let Some(hit) = tile.intersect(map, ray, cell, admit) {
             return Some(hit);
         }
         let far = [ray.t_far(0, cell[0]), ray.t_far(1, cell[1])];

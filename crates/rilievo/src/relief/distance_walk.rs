@@ -18,7 +18,7 @@
 use crate::map::{DistanceKind, DistanceMap, HeightMap};
 use crate::probe::Probe;
 
-use super::leaf::{self, Crossings, LeafHit};
+use super::leaf::{Crossings, LeafHit};
 use super::map_ray::MapRay;
 use super::tile::{Tile, TileAxis};
 
@@ -42,8 +42,7 @@ pub(crate) fn walk_distance<P: Probe>(
             continue;
         }
         probe.cell();
-        let corners = tile.corners(map, cell);
-        if let Some(hit) = leaf::intersect(ray, cell, &corners, admit) {
+        if let Some(hit) = tile.intersect(map, ray, cell, admit) {
             return Some(hit);
         }
         s = leave;

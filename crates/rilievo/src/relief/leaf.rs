@@ -93,29 +93,37 @@ impl Span {
     /// The part of the ray inside forward cell (fx, fy) and the window; none if it is empty.
     #[inline]
     pub fn new(ray: &MapRay, fx: i32, fy: i32) -> Option<Self> {
-        let cell = [fx as f32, fy as f32];
-        let mut lines = [[0.0f32; 2]; 2];
-        let mut times = [[0.0f32; 2]; 2];
-        for axis in 0..2 {
-            lines[axis] = [cell[axis].max(ray.lo[axis]), (cell[axis] + 1.0).min(ray.hi[axis])];
-            times[axis] = lines[axis].map(|line| ray.t(axis, line));
-        }
-        let t0 = times[0][0].max(times[1][0]).max(0.0);
-        let t1 = times[0][1].min(times[1][1]).min(1.0);
+        let t0 = ray.t_near(0, fx).max(ray.t_near(1, fy)).max(0.0);
+        let t1 = ray.t_far(0, fx).min(ray.t_far(1, fy)).min(1.0);
         if t0 >= t1 {
             return None;
         }
-        let mut span = Self { t0, t1, near: [0.0; 2], far: [0.0; 2] };
-        for axis in 0..2 {
-            let from_start = cell[axis] - ray.o[axis];
-            let local = |t: f32| (t * ray.d[axis] - from_start).clamp(0.0, 1.0);
-            span.near[axis] =
-                if times[axis][0] >= t0 { lines[axis][0] - cell[axis] } else { local(t0) };
-            span.far[axis] =
-                if times[axis][1] <= t1 { lines[axis][1] - cell[axis] } else { local(t1) };
-        }
-        Some(span)
+        let near = [0, 1].map(|axis| entering(ray, axis, [fx, fy][axis], t0));
+        let far = [0, 1].map(|axis| leaving(ray, axis, [fx, fy][axis], t1));
+        Some(Self { t0, t1, near, far })
     }
+}
+
+/// Local coordinate along an axis at `s`, not set by a line.
+#[inline]
+fn local(ray: &MapRay, axis: usize, f: i32, s: f32) -> f32 {
+    (s * ray.d[axis] - (f as f32 - ray.o[axis])).clamp(0.0, 1.0)
+}
+
+/// Local coordinate where the ray enters forward cell `f` at `s`: set on the near line.
+#[inline]
+fn entering(ray: &MapRay, axis: usize, f: i32, s: f32) -> f32 {
+    if ray.t_near(axis, f) >= s {
+        ray.near_line(axis, f) - f as f32
+    } else {
+        local(ray, axis, f, s)
+    }
+}
+
+/// Local coordinate where the ray leaves forward cell `f` at `s`: set on the far line.
+#[inline]
+fn leaving(ray: &MapRay, axis: usize, f: i32, s: f32) -> f32 {
+    if ray.t_far(axis, f) <= s { ray.far_line(axis, f) - f as f32 } else { local(ray, axis, f, s) }
 }
 
 /// Linear interpolation, exact at both ends.
@@ -182,6 +190,18 @@ impl Gap {
     }
 }
 
+/// The gap where the ray enters a forward cell at `s`: the `b0` of its leaf.
+pub(crate) fn gap_entering(ray: &MapRay, cell: [i32; 2], corners: &[f32; 4], s: f32) -> f32 {
+    let [x, y] = [0, 1].map(|axis| entering(ray, axis, cell[axis], s));
+    ray.z(s) - bilinear(corners, x, y)
+}
+
+/// The gap where the ray leaves a forward cell at `s`: the `b2` of its leaf.
+pub(crate) fn gap_leaving(ray: &MapRay, cell: [i32; 2], corners: &[f32; 4], s: f32) -> f32 {
+    let [x, y] = [0, 1].map(|axis| leaving(ray, axis, cell[axis], s));
+    ray.z(s) - bilinear(corners, x, y)
+}
+
 /// A root found by the leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LeafHit {
@@ -193,18 +213,20 @@ pub(crate) struct LeafHit {
     pub from_above: bool,
 }
 
-/// The ray's first admitted crossing of forward cell (fx, fy).
-#[inline]
-pub(crate) fn intersect(
-    ray: &MapRay,
-    cell: [i32; 2],
-    corners: &[f32; 4],
-    admit: Crossings,
-) -> Option<LeafHit> {
-    let span = Span::new(ray, cell[0], cell[1])?;
-    let (q, from_above) = Gap::new(ray, &span, corners).first_root(admit)?;
-    let s = (q * (span.t1 - span.t0) + span.t0).min(span.t1);
-    Some(LeafHit { s, cell, from_above })
+impl Span {
+    /// The first admitted crossing of the span's forward cell.
+    #[inline]
+    pub fn intersect(
+        &self,
+        ray: &MapRay,
+        cell: [i32; 2],
+        corners: &[f32; 4],
+        admit: Crossings,
+    ) -> Option<LeafHit> {
+        let (q, from_above) = Gap::new(ray, self, corners).first_root(admit)?;
+        let s = (q * (self.t1 - self.t0) + self.t0).min(self.t1);
+        Some(LeafHit { s, cell, from_above })
+    }
 }
 
 #[cfg(test)]

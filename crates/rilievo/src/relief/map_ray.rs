@@ -92,7 +92,8 @@ impl MapRay {
         for axis in 0..2 {
             let (origin, direction) = (exact.origin[axis], exact.direction[axis]);
             let (lo, hi) = (window.lo[axis], window.hi[axis]);
-            if direction < 0.0 {
+            // A ray in the plane of the far border is counted backward too: borders are closed.
+            if direction < 0.0 || (direction == 0.0 && origin == hi) {
                 let base = origin.ceil();
                 ray.base[axis] = base as i32;
                 ray.backward[axis] = true;
@@ -118,16 +119,28 @@ impl MapRay {
         (line - self.o[axis]) * self.inv[axis]
     }
 
-    /// Parameter of the near line of forward cell `f`, the window's own line at its border.
+    /// Near line of forward cell `f`, the window's own line at its border.
+    #[inline]
+    pub fn near_line(&self, axis: usize, f: i32) -> f32 {
+        (f as f32).max(self.lo[axis])
+    }
+
+    /// Far line of forward cell `f`, the window's own line at its border.
+    #[inline]
+    pub fn far_line(&self, axis: usize, f: i32) -> f32 {
+        ((f + 1) as f32).min(self.hi[axis])
+    }
+
+    /// Parameter of the near line of forward cell `f`.
     #[inline]
     pub fn t_near(&self, axis: usize, f: i32) -> f32 {
-        self.t(axis, (f as f32).max(self.lo[axis]))
+        self.t(axis, self.near_line(axis, f))
     }
 
     /// Parameter of the far line of forward cell `f`.
     #[inline]
     pub fn t_far(&self, axis: usize, f: i32) -> f32 {
-        self.t(axis, ((f + 1) as f32).min(self.hi[axis]))
+        self.t(axis, self.far_line(axis, f))
     }
 
     /// Height at `s`.
@@ -159,6 +172,16 @@ impl MapRay {
         }
         while f < last && self.t(axis, (f + 1) as f32) <= s {
             f += 1;
+        }
+        f
+    }
+
+    /// The forward cell `f` of the window with `T(f) < s <= T(f + 1)`: the one the ray is in just
+    /// before `s`.
+    pub fn cell_before(&self, axis: usize, s: f32) -> i32 {
+        let mut f = self.cell_at(axis, s);
+        while f > self.first_cell(axis) && self.t(axis, f as f32) >= s {
+            f -= 1;
         }
         f
     }

@@ -13,7 +13,7 @@
 
 use crate::map::HeightMap;
 
-use super::leaf::{Gap, Span};
+use super::leaf::{self, Crossings, LeafHit, Span};
 use super::map_ray::MapRay;
 
 /// One axis of a tile: forward cells and the stored cells they show.
@@ -93,36 +93,37 @@ impl Tile {
         }
     }
 
+    /// Shows a forward cell of this tile to the leaf.
+    #[inline]
+    pub fn intersect(
+        &self,
+        map: &HeightMap,
+        ray: &MapRay,
+        cell: [i32; 2],
+        admit: Crossings,
+    ) -> Option<LeafHit> {
+        let span = Span::new(ray, cell[0], cell[1])?;
+        span.intersect(ray, cell, &self.corners(map, cell), admit)
+    }
+
     /// The forward cell of this tile in which the ray is at `s`.
     pub fn cell_at(&self, ray: &MapRay, s: f32) -> [i32; 2] {
         [0, 1].map(|axis| ray.cell_at(axis, s).clamp(self.axes[axis].from, self.axes[axis].to - 1))
     }
 
-    /// The last forward cell the ray crosses before it leaves the tile at `leave`.
-    fn last_cell(&self, ray: &MapRay) -> [i32; 2] {
-        [0, 1].map(|axis| {
-            let TileAxis { from, to, .. } = self.axes[axis];
-            let mut f = ray.cell_at(axis, self.leave).clamp(from, to - 1);
-            // On its own line the ray is still in the cell before it.
-            while f > from && ray.t_near(axis, f) >= self.leave {
-                f -= 1;
-            }
-            f
-        })
-    }
-
     /// Gap above the surface where the ray enters, as the leaf of the first cell computes it.
-    pub fn gap_at_enter(&self, map: &HeightMap, ray: &MapRay) -> Option<f32> {
+    pub fn gap_at_enter(&self, map: &HeightMap, ray: &MapRay) -> f32 {
         let cell = self.cell_at(ray, self.enter);
-        let span = Span::new(ray, cell[0], cell[1])?;
-        Some(Gap::new(ray, &span, &self.corners(map, cell)).b0)
+        leaf::gap_entering(ray, cell, &self.corners(map, cell), self.enter)
     }
 
     /// Gap above the surface where the ray leaves, as the leaf of the last cell computes it.
-    pub fn gap_at_leave(&self, map: &HeightMap, ray: &MapRay) -> Option<f32> {
-        let cell = self.last_cell(ray);
-        let span = Span::new(ray, cell[0], cell[1])?;
-        Some(Gap::new(ray, &span, &self.corners(map, cell)).b2)
+    pub fn gap_at_leave(&self, map: &HeightMap, ray: &MapRay) -> f32 {
+        let cell = [0, 1].map(|axis| {
+            let TileAxis { from, to, .. } = self.axes[axis];
+            ray.cell_before(axis, self.leave).clamp(from, to - 1)
+        });
+        leaf::gap_leaving(ray, cell, &self.corners(map, cell), self.leave)
     }
 
     /// Whether the ray leaves across the far line of an axis.

@@ -183,7 +183,7 @@ fn gap_to_base(face: &ReliefFace, ray: &MapRay, s: f32) -> f32 {
 fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
     let heights = face.relief.heights();
     let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
-    let behind = tile.gap_at_enter(heights, ray)?;
+    let behind = tile.gap_at_enter(heights, ray);
     let axis = usize::from(ray.t(0, ray.lo[0]) < ray.t(1, ray.lo[1]));
     let wall = border(axis, !ray.backward[axis]);
     wall_between(wall, s, gap_to_base(face, ray, s), behind, face)
@@ -191,8 +191,8 @@ fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
 
 fn exit_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
     let heights = face.relief.heights();
-    let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
-    let before = tile.gap_at_leave(heights, ray)?;
+    let tile = Tile::new(heights, ray, [ray.cell_before(0, s), ray.cell_before(1, s)]);
+    let before = tile.gap_at_leave(heights, ray);
     let axis = usize::from(ray.t(0, ray.hi[0]) > ray.t(1, ray.hi[1]));
     let wall = border(axis, ray.backward[axis]);
     wall_between(wall, s, before, gap_to_base(face, ray, s), face)
@@ -216,8 +216,8 @@ fn seam_wall(
     (cell, crossed): ([i32; 2], [bool; 2]),
 ) -> Option<Met> {
     let heights: &HeightMap = face.relief.heights();
-    let before = tile.gap_at_leave(heights, ray)?;
-    let behind = Tile::new(heights, ray, cell).gap_at_enter(heights, ray)?;
+    let before = tile.gap_at_leave(heights, ray);
+    let behind = Tile::new(heights, ray, cell).gap_at_enter(heights, ray);
     let axis = usize::from(!crossed[0]);
     let line = ray.unfolded_line(axis, cell[axis]);
     let wall = if axis == 0 { Wall::SeamU(line) } else { Wall::SeamV(line) };

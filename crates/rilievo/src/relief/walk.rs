@@ -151,7 +151,7 @@ impl<'a> Descent<'a> {
                 }
                 probe.cell();
                 let corners = self.tile.corners(self.map, [fx, fy]);
-                if let Some(hit) = leaf::intersect(self.ray, [fx, fy], &corners, admit) {
+                if let Some(hit) = span.intersect(self.ray, [fx, fy], &corners, admit) {
                     return Some(hit);
                 }
             }
