@@ -176,14 +176,19 @@ impl<'a> Aim<'a> {
         (to - direction, direction)
     }
 
-    /// A point of the lattice, not on the border of the face.
+    /// A point of the lattice, not on the border of the face, nor on a seam between two tiles: a
+    /// ray within the plane of a wall has no stable answer, and may start on it.
     fn lattice_point(&self, random: &mut Random) -> DVec2 {
         let (low, high) = self.oracle.window();
         let (first, last) = (low.floor() + 1.0, high.ceil() - 1.0);
         let mut uv = DVec2::new(random.unit(), random.unit());
         for axis in 0..2 {
             if first[axis] <= last[axis] {
-                let line = f64::from(random.integer(first[axis] as i32, last[axis] as i32));
+                let line = random.integer(first[axis] as i32, last[axis] as i32);
+                if self.oracle.is_seam(axis, line) {
+                    continue;
+                }
+                let line = f64::from(line);
                 uv[axis] = self.oracle.uv_of_lattice(DVec2::splat(line))[axis];
             }
         }

@@ -14,10 +14,7 @@ use rilievo_tests::random::Random;
 
 fn lattices() -> impl Strategy<Value = (Lattice, Wrap)> {
     let lattice = prop_oneof![Just(Lattice::Vertex), Just(Lattice::Texel)];
-    (
-        lattice,
-        prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)],
-    )
+    (lattice, prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)])
 }
 
 fn maps() -> impl Strategy<Value = HeightMap> {
@@ -58,8 +55,7 @@ fn distance_from_above(map: &HeightMap, metric: &Metric, p: [f64; 3]) -> f64 {
     let distance = |x: f64, y: f64| {
         let (x, y) = (x.clamp(0.0, ends[0]), y.clamp(0.0, ends[1]));
         let (dx, dy) = (metric.x * (x - p[0]), metric.y * (y - p[1]));
-        dx.hypot(dy)
-            .hypot(metric.z * (stored_raw(map, x, y) - p[2]))
+        dx.hypot(dy).hypot(metric.z * (stored_raw(map, x, y) - p[2]))
     };
     let mut best = (f64::INFINITY, [0.0; 2]);
     for j in 0..=map.y().cells() * 4 {
@@ -73,14 +69,7 @@ fn distance_from_above(map: &HeightMap, metric: &Metric, p: [f64; 3]) -> f64 {
     }
     let mut step = 0.125;
     for _ in 0..24 {
-        for (a, b) in [
-            (1.0, 0.0),
-            (-1.0, 0.0),
-            (0.0, 1.0),
-            (0.0, -1.0),
-            (0.7, 0.7),
-            (-0.7, 0.7),
-        ] {
+        for (a, b) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7)] {
             let at = [best.1[0] + a * step, best.1[1] + b * step];
             let d = distance(at[0], at[1]);
             if d < best.0 {
@@ -163,9 +152,6 @@ fn distances_are_of_use_where_the_surface_is_far() {
         let corner = [0.5, 0.5, 60_000.0];
         let true_distance = distance_from_above(&map, &options.metric, corner);
         let safe = distances.safe_distance(corner);
-        assert!(
-            safe > 0.6 * true_distance,
-            "{kind:?}: {safe} of {true_distance}"
-        );
+        assert!(safe > 0.6 * true_distance, "{kind:?}: {safe} of {true_distance}");
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use rilievo::map::{Lattice, Wrap};
 use rilievo::relief::{Method, ReliefFace};
 use rilievo::{Hit, Ray};
-use rilievo_tests::conformance::difference;
+use rilievo_tests::conformance::{Sides, difference};
 use rilievo_tests::kernel;
 use rilievo_tests::maps::Shape;
 use rilievo_tests::nudge::nudged;
@@ -55,11 +55,12 @@ fn spawn_from(hit: &Hit, face: &ReliefFace, oracle: &Oracle<'_>, random: &mut Ra
         let answer = face.closest(&ray, &mut ());
         tally.again += u64::from(answer.is_some());
         let judge = oracle.closest_from(&start, direction);
-        if difference(oracle, &answer, &judge).is_none() {
+        if difference(oracle, &answer, &judge, Sides::Same).is_none() {
             continue;
         }
-        let same =
-            |d: DVec3| difference(oracle, &answer, &oracle.closest_from(&start, d)).is_none();
+        let same = |d: DVec3| {
+            difference(oracle, &answer, &oracle.closest_from(&start, d), Sides::Same).is_none()
+        };
         let towards = answer.map(|hit| hit.position - oracle.start_point(&start));
         if nudged(direction, towards).any(same) {
             tally.excused += 1;

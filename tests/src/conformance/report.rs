@@ -53,10 +53,8 @@ pub struct Report {
     pub rays: u64,
     /// Rays that hit, by the first entry.
     pub hits: u64,
-    /// Differences from the oracle that a nudge explains.
-    pub excused: u64,
-    /// The same for rays aimed at the very border of the face.
-    pub at_border: u64,
+    /// Differences from the oracle that a nudge explains, by family and kind.
+    pub excuses: BTreeMap<(Family, Kind), u64>,
     /// Differences that nothing explains.
     pub disagreements: u64,
     /// The same by kind, family and entry.
@@ -75,8 +73,7 @@ impl Report {
             scene: scene.to_owned(),
             rays: 0,
             hits: 0,
-            excused: 0,
-            at_border: 0,
+            excuses: BTreeMap::new(),
             disagreements: 0,
             counts: BTreeMap::new(),
             examples: Vec::new(),
@@ -98,8 +95,9 @@ impl Report {
     pub fn merge(mut self, other: Self) -> Self {
         self.rays += other.rays;
         self.hits += other.hits;
-        self.excused += other.excused;
-        self.at_border += other.at_border;
+        for (key, count) in other.excuses {
+            *self.excuses.entry(key).or_default() += count;
+        }
         self.disagreements += other.disagreements;
         for (key, count) in other.counts {
             *self.counts.entry(key).or_default() += count;
@@ -117,6 +115,9 @@ impl Report {
     /// The counts and the examples, each a ray to start from.
     pub fn details(&self) -> String {
         let mut text = format!("{self}\n");
+        for ((family, kind), count) in &self.excuses {
+            text += &format!("  {count} {kind:?} excused, {family:?}\n");
+        }
         for ((kind, family, who), count) in &self.counts {
             text += &format!("  {count} {kind:?} by {who}, {family:?}\n");
         }
@@ -131,10 +132,19 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let border = |at_border: bool| -> u64 {
+            let there = |(family, _): &(Family, Kind)| (*family == Family::Border) == at_border;
+            self.excuses.iter().filter(|(key, _)| there(key)).map(|(_, count)| count).sum()
+        };
         write!(
             f,
             "{}: {} rays, {} hits, {} disagreements, {} nudge-excused and {} at the border",
-            self.scene, self.rays, self.hits, self.disagreements, self.excused, self.at_border
+            self.scene,
+            self.rays,
+            self.hits,
+            self.disagreements,
+            border(false),
+            border(true)
         )
     }
 }

@@ -18,6 +18,12 @@ pub(super) struct Stand {
 }
 
 impl Oracle<'_> {
+    /// Whether the surface may jump at lattice line `line` of axis 0 (x) or 1 (y).
+    pub fn is_seam(&self, axis: usize, line: i32) -> bool {
+        let axis = if axis == 0 { self.map.x() } else { self.map.y() };
+        jumps(axis) && line.rem_euclid(axis.period() as i32) == 0
+    }
+
     pub(super) fn stand_of(&self, wall: Wall) -> Stand {
         let (axis, coordinate) = match wall {
             Wall::LowU => (0, self.at_zero.x),
@@ -89,11 +95,14 @@ impl Oracle<'_> {
     }
 }
 
+fn jumps(axis: &Axis) -> bool {
+    axis.lattice() == Lattice::Vertex && axis.wrap() == Wrap::Repeat
+}
+
 /// The seams of an axis strictly inside the window.
 fn seams(axis: &Axis, low: f64, high: f64) -> impl Iterator<Item = i32> + use<> {
-    let jumps = axis.lattice() == Lattice::Vertex && axis.wrap() == Wrap::Repeat;
     let period = axis.period() as i32;
     let first = (low / f64::from(period)).floor() as i32 + 1;
-    let end = if jumps { (high / f64::from(period)).ceil() as i32 } else { first };
+    let end = if jumps(axis) { (high / f64::from(period)).ceil() as i32 } else { first };
     (first..end).map(move |k| k * period)
 }
