@@ -1,6 +1,6 @@
 //! rilievo-render: a renderer on top of [`rilievo`].
 //!
-//! A [`Scene`] is built from surfaces, materials and a [`Camera`]; [`render`] traces it into a
+//! A [`Scene`] is built from surfaces, materials and a [`Camera`]; [`render()`] traces it into a
 //! [`Film`] of linear radiance and named layers. Nothing here reads a file, prints or keeps a
 //! clock. The same scene gives the same bytes for any number of threads.
 //!

@@ -46,12 +46,12 @@ impl SphericalRectangle {
         let ([x0, x1], [y0, y1], [b0, b1]) = (self.x, self.y, self.b);
         let (sin, cos) = (u.x * self.solid_angle + self.k).sin_cos();
         let f = (cos * b0 - b1) / sin;
-        let c = (f.signum() / f.hypot(b0)).clamp(-1.0, 1.0);
+        let c = (f.signum() / (f * f + b0 * b0).sqrt()).clamp(-1.0, 1.0);
         let x = (-c * self.z / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).clamp(x0, x1);
-        let d = x.hypot(self.z);
-        let (h0, h1) = (y0 / d.hypot(y0), y1 / d.hypot(y1));
+        let d2 = x * x + self.z * self.z;
+        let (h0, h1) = (y0 / (d2 + y0 * y0).sqrt(), y1 / (d2 + y1 * y1).sqrt());
         let h = h0 + u.y * (h1 - h0);
-        let y = (h * d / (1.0 - h * h).max(f64::MIN_POSITIVE).sqrt()).clamp(y0, y1);
+        let y = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(y0, y1);
         DVec2::new(x - x0, y - y0)
     }
 }

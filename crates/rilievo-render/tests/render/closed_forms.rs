@@ -36,21 +36,28 @@ fn direct(shadow_samples: u32) -> RenderSettings {
 }
 
 #[test]
-fn a_quad_light_lights_a_floor() {
-    let scene = Builder::default()
-        .quad(FLOOR, diffuse(0.8))
-        .quad(ceiling([0.0, 2.0], [-1.0, 0.5], 1.5), emitter(Rgb::splat(3.0)))
-        // All pixels see next to the same point, so that they are samples of one number.
-        .scene(camera([0.0, -5.0, 1.0], [0.0, 0.0, 0.0], 1e-4, [64, 64]), direct(16));
-    let (film, stats) = pixel_centers(&scene);
+fn a_quad_light_lights_a_floor_at_any_place_and_scale() {
+    let far = DVec3::new(148_376.0, 1234.0, -223_423.0);
+    let light = ceiling([0.0, 2.0], [-1.0, 0.5], 1.5);
     let expected = 0.8 / PI * 3.0 * rectangle_irradiance([0.0, 2.0], [-1.0, 0.5], 1.5);
-    let n = film.radiance().len() as f64;
-    let mean = film.radiance().iter().map(|p| f64::from(p[0])).sum::<f64>() / n;
-    let squares = film.radiance().iter().map(|p| (f64::from(p[0]) - mean).powi(2)).sum::<f64>();
-    let error = (squares / n / n).sqrt();
-    assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");
-    assert!(error < 1e-3 * expected);
-    assert_eq!((stats.rays.camera, stats.rays.shadow), (64 * 64, 64 * 64 * 16));
+    for (center, scale) in [(DVec3::ZERO, 1.0), (far, 1.0), (far, 1e-3), (DVec3::ONE, 1e6)] {
+        let place = |[corner, u, v]: [DVec3; 3]| [center + scale * corner, scale * u, scale * v];
+        let eye = (center + scale * DVec3::new(0.0, -5.0, 1.0)).to_array();
+        let scene = Builder::default()
+            .quad(place(FLOOR), diffuse(0.8))
+            .quad(place(light), emitter(Rgb::splat(3.0)))
+            // All pixels see next to the same point, so that they are samples of one number.
+            .scene(camera(eye, center.to_array(), 1e-4, [64, 64]), direct(16));
+        let (film, stats) = pixel_centers(&scene);
+        let n = film.radiance().len() as f64;
+        let values = || film.radiance().iter().map(|p| f64::from(p[0]));
+        let mean = values().sum::<f64>() / n;
+        let error = (values().map(|x| (x - mean).powi(2)).sum::<f64>() / n / n).sqrt();
+        let found = format!("{mean} +- {error}, not {expected} at {center} x {scale}");
+        assert!((mean - expected).abs() < 4.0 * error, "{found}");
+        assert!(error < 1e-3 * expected, "{found}");
+        assert_eq!((stats.rays.camera, stats.rays.shadow), (64 * 64, 64 * 64 * 16));
+    }
 }
 
 #[test]
