@@ -18,62 +18,82 @@
 #[derive(Debug)]
 pub(super) struct Envelope {
     line: Vec<f64>,
-    site: Vec<u32>,
-    start: Vec<u32>,
+    pieces: Vec<Piece>,
+}
+
+/// A piece of the lower envelope: from `start` on, the parabola over `site` is the lowest.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    start: f64,
+    site: f64,
+    /// Height of the parabola at its site.
+    base: f64,
+}
+
+impl Piece {
+    #[inline]
+    fn at(&self, weight: f64, q: f64) -> f64 {
+        let d = q - self.site;
+        weight * d * d + self.base
+    }
 }
 
 impl Envelope {
     /// For lines of at most `longest` entries.
     pub fn new(longest: usize) -> Self {
-        Self { line: vec![0.0; longest], site: vec![0; longest], start: vec![0; longest] }
+        Self { line: vec![0.0; longest], pieces: Vec::with_capacity(longest) }
     }
 
     /// Replaces `f` by its transform. `weight` and `f` hold integers, bounded as the module head
-    /// says.
+    /// says; `f` is not empty and not longer than the envelope was made for.
     pub fn transform(&mut self, weight: f64, f: &mut [f64]) {
         let n = f.len();
         let line = &mut self.line[..n];
-        for v in 0..n {
-            let (a, b) = (f[v.saturating_sub(1)], f[(v + 1).min(n - 1)]);
-            line[v] = f[v].min(a).min(b);
+        line.copy_from_slice(f);
+        for (low, next) in line.iter_mut().zip(&f[1..]) {
+            *low = low.min(*next);
+        }
+        for (low, before) in line[1..].iter_mut().zip(&*f) {
+            *low = low.min(*before);
         }
         if weight == 0.0 {
             let least = line.iter().copied().fold(f64::INFINITY, f64::min);
             f.fill(least);
             return;
         }
-        let value = |q: u32, v: u32| {
-            let d = f64::from(q) - f64::from(v);
-            weight * d * d + line[v as usize]
-        };
-        let (site, start) = (&mut self.site[..n], &mut self.start[..n]);
-        (site[0], start[0]) = (0, 0);
-        let mut top = 0usize;
-        for u in 1..n as u32 {
-            while value(start[top], site[top]) > value(start[top], u) {
-                if top == 0 {
-                    site[0] = u;
-                    break;
+        self.pieces.clear();
+        let mut top = Piece { start: 0.0, site: 0.0, base: line[0] };
+        for (u, &base) in line.iter().enumerate().skip(1) {
+            let site = u as f64;
+            let mut new = Piece { start: 0.0, site, base };
+            let covered = loop {
+                if top.at(weight, top.start) <= new.at(weight, top.start) {
+                    break false;
                 }
-                top -= 1;
-            }
-            let s = site[top];
-            if s == u {
+                match self.pieces.pop() {
+                    Some(below) => top = below,
+                    None => break true,
+                }
+            };
+            if covered {
+                top = new;
                 continue;
             }
-            let (us, uu) = (f64::from(s), f64::from(u));
-            let a = line[u as usize] - line[s as usize] + weight * (uu * uu - us * us);
-            let next = (a / (2.0 * weight * (uu - us))).floor() + 1.0;
-            if next < n as f64 {
-                top += 1;
-                (site[top], start[top]) = (u, next as u32);
+            let rise = base - top.base + weight * (site * site - top.site * top.site);
+            new.start = (rise / (2.0 * weight * (site - top.site))).floor() + 1.0;
+            if new.start < n as f64 {
+                self.pieces.push(top);
+                top = new;
             }
         }
-        for q in (0..n as u32).rev() {
-            f[q as usize] = value(q, site[top]);
-            if q == start[top] && top > 0 {
-                top -= 1;
+        self.pieces.push(top);
+        let mut end = n;
+        for piece in self.pieces.iter().rev() {
+            let start = piece.start as usize;
+            for (q, out) in f[start..end].iter_mut().enumerate() {
+                *out = piece.at(weight, (start + q) as f64);
             }
+            end = start;
         }
     }
 }
