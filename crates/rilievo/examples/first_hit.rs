@@ -2,6 +2,8 @@
 //!
 //! `cargo run -p rilievo --example first_hit`
 
+#![expect(clippy::print_stdout, reason = "an example prints what it found")]
+
 use std::sync::Arc;
 
 use rilievo::Ray;

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p rilievo --example own_renderer`
 
+#![expect(clippy::print_stdout, reason = "an example prints what it found")]
+
 use std::sync::Arc;
 
 use rilievo::glam::DVec3;

@@ -4,7 +4,7 @@
 //! `l` holds the bounds of its 4 x 4 blocks, lane `4 y + x`. The blocks of level `l + 1` are the
 //! nodes of level `l`. The topmost level has one node. Cells themselves have no bounds: the leaf
 //! tests the 16 cells of a level-0 block from the heights (an implicit maximum mipmap
-//! [Tevs2008] with its two last levels left out: 0.27 byte a texel instead of 5.3).
+//! \[Tevs2008\] with its two last levels left out: 0.27 byte a texel instead of 5.3).
 //!
 //! **Bounds.** Maxima and minima are `u16` codes in separate arrays, so that a ray known to run
 //! above the surface reads 32 bytes a node. `value = base + code * step`, evaluated in `f32`. For
@@ -99,10 +99,7 @@ impl Code {
     fn for_heights(heights: &HeightMap) -> Self {
         let (lo, hi) = heights.raw_range();
         match heights.samples() {
-            Samples::U16(_) => Self {
-                base: 0.0,
-                step: 1.0,
-            },
+            Samples::U16(_) => Self { base: 0.0, step: 1.0 },
             Samples::F32(_) => {
                 let mut step = (hi - lo) / 65535.0;
                 while lo + 65535.0 * step < hi {
@@ -144,11 +141,7 @@ impl Code {
     }
 
     fn estimate(&self, raw: f32) -> u16 {
-        if self.step > 0.0 {
-            ((raw - self.base) / self.step).clamp(0.0, 65535.0) as u16
-        } else {
-            0
-        }
+        if self.step > 0.0 { ((raw - self.base) / self.step).clamp(0.0, 65535.0) as u16 } else { 0 }
     }
 }
 
@@ -168,11 +161,7 @@ impl Pyramid {
             let next = coarser_level(top);
             levels.push(next);
         }
-        Self {
-            cells,
-            levels,
-            code,
-        }
+        Self { cells, levels, code }
     }
 
     /// A pyramid from stored levels, finest first, as a file holds them.
@@ -181,11 +170,7 @@ impl Pyramid {
     /// [`PyramidViolation`] if the levels do not fit the heights or a bound cuts the surface.
     pub fn from_levels(levels: Vec<Level>, heights: &HeightMap) -> Result<Self, PyramidViolation> {
         let cells = [heights.x().cells(), heights.y().cells()];
-        let pyramid = Self {
-            cells,
-            levels,
-            code: Code::for_heights(heights),
-        };
+        let pyramid = Self { cells, levels, code: Code::for_heights(heights) };
         pyramid.verify(heights)?;
         Ok(pyramid)
     }
@@ -203,11 +188,7 @@ impl Pyramid {
         if self.cells != sound.cells
             || self.code != sound.code
             || self.levels.len() != sound.levels.len()
-            || !self
-                .levels
-                .iter()
-                .zip(&sound.levels)
-                .all(|(a, b)| fits(a, b))
+            || !self.levels.iter().zip(&sound.levels).all(|(a, b)| fits(a, b))
         {
             return Err(PyramidViolation::Shape);
         }
@@ -283,18 +264,12 @@ impl Pyramid {
         let at = &self.levels[level as usize];
         let node = (by / 4 * at.nodes[0] + bx / 4) as usize;
         let lane = (by % 4 * 4 + bx % 4) as usize;
-        (
-            self.code.value(at.min[node][lane]),
-            self.code.value(at.max[node][lane]),
-        )
+        (self.code.value(at.min[node][lane]), self.code.value(at.max[node][lane]))
     }
 
     /// Bytes held by the bounds.
     pub fn bytes(&self) -> u64 {
-        self.levels
-            .iter()
-            .map(|l| 4 * LANES as u64 * l.max.len() as u64)
-            .sum()
+        self.levels.iter().map(|l| 4 * LANES as u64 * l.max.len() as u64).sum()
     }
 
     /// Bytes that the pyramid of a map with these stored cells takes.
@@ -334,11 +309,8 @@ where
     let width = heights.width() as usize;
     let nodes = [x.cells().div_ceil(16), y.cells().div_ceil(16)];
     let count = nodes[0] as usize * nodes[1] as usize;
-    let mut level = Level {
-        nodes,
-        max: vec![[0; LANES]; count],
-        min: vec![[u16::MAX; LANES]; count],
-    };
+    let mut level =
+        Level { nodes, max: vec![[0; LANES]; count], min: vec![[u16::MAX; LANES]; count] };
     let rows = level
         .max
         .par_chunks_mut(nodes[0] as usize)
@@ -386,11 +358,8 @@ where
 fn coarser_level(fine: &Level) -> Level {
     let nodes = fine.nodes.map(|n| n.div_ceil(4));
     let count = nodes[0] as usize * nodes[1] as usize;
-    let mut level = Level {
-        nodes,
-        max: vec![[0; LANES]; count],
-        min: vec![[u16::MAX; LANES]; count],
-    };
+    let mut level =
+        Level { nodes, max: vec![[0; LANES]; count], min: vec![[u16::MAX; LANES]; count] };
     for y in 0..fine.nodes[1] {
         for x in 0..fine.nodes[0] {
             let from = (y * fine.nodes[0] + x) as usize;
@@ -459,10 +428,7 @@ mod tests {
                     let (want_lo, want_hi) = range(&map, level, bx, by);
                     assert!(lo <= want_lo && hi >= want_hi, "block cuts the surface");
                     let slack = pyramid.code().step * if level == 0 { 1.0 } else { 1.001 };
-                    assert!(
-                        want_lo - lo <= slack && hi - want_hi <= slack,
-                        "bound is loose"
-                    );
+                    assert!(want_lo - lo <= slack && hi - want_hi <= slack, "bound is loose");
                     if matches!(map.samples(), Samples::U16(_)) {
                         assert_eq!((lo, hi), (want_lo, want_hi));
                     }

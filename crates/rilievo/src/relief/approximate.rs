@@ -80,7 +80,7 @@ impl<'a> Segment<'a> {
         if speed > 0.0 { 0.5 / speed } else { self.to - self.from }
     }
 
-    /// The seed paper's intersection [Book2007, section 3.4]: advance by the interpolated
+    /// The seed paper's intersection \[Book2007, section 3.4\]: advance by the interpolated
     /// distance until the point is within epsilon of the surface or has just crossed it; too many
     /// steps or a point outside the maps is a miss.
     ///

@@ -122,12 +122,13 @@ impl ReliefFace {
         let (edge_u, edge_v) = (c1 - c0, c3 - c0);
         let area = edge_u.cross(edge_v);
         let extent = edge_u.length().max(edge_v.length());
-        if !(area.length() > 1e-12 * extent * extent && area.is_finite()) {
+        if !area.is_finite() || area.length() <= 1e-12 * extent * extent {
             return Err(FaceError::Degenerate);
         }
         let expected = c1 + edge_v;
         let reach = extent + c0.length() * 1e-6;
-        if !((c2 - expected).length() <= 1e-9 * reach) {
+        let off = (c2 - expected).length();
+        if off.is_nan() || off > 1e-9 * reach {
             return Err(FaceError::NotParallelogram { found: c2, expected });
         }
         check_displacement(&options.displacement)?;

@@ -17,7 +17,7 @@ pub enum Method {
     /// Steps through interpolated exact distances less the interpolation error, leaf near the
     /// surface. Exact.
     DistanceCorrected,
-    /// The seed paper as it was [Book2007]: distances to texel points, interpolated, no leaf.
+    /// The seed paper as it was \[Book2007\]: distances to texel points, interpolated, no leaf.
     /// Approximate: it misses at steps.
     DistancePublished,
     /// Fixed steps and one secant, as parallax occlusion mapping does. Approximate.
