@@ -18,6 +18,7 @@ mod kind;
 mod limits;
 pub mod map_file;
 pub mod mesh;
+pub mod scene;
 
 pub use error::{Error, Excerpt, Fault, Place, Result};
 pub use kind::FileKind;

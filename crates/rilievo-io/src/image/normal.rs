@@ -93,10 +93,10 @@ impl Sink for Canvas<'_> {
         let start = (height - 1 - y as usize) * width;
         match (&mut self.texels, row) {
             (NormalTexels::U8(to), Row::U8(row)) => {
-                fill(&mut to[start..start + width], row, self.channels)
+                fill(&mut to[start..start + width], row, self.channels);
             }
             (NormalTexels::U16(to), Row::U16(row)) => {
-                fill(&mut to[start..start + width], row, self.channels)
+                fill(&mut to[start..start + width], row, self.channels);
             }
             // `begin` chose the texels for the rows this image has.
             _ => {}

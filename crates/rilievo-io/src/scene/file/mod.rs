@@ -1,0 +1,135 @@
+//! [`SceneFile`]: what a scene file says, checked value by value, places kept.
+//!
+//! Nothing is opened and no name is looked up here; see [`super::resolve`].
+
+mod map;
+mod material;
+mod shape;
+mod view;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use toml::de::DeTable;
+
+use super::syntax::{Document, Located, Table};
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+
+pub(super) use map::{MapEntry, MapSource};
+pub(super) use material::{Diffuse, MaterialEntry};
+pub(super) use shape::{DisplacementEntry, Normals, QuadEntry, Shape, ShapeEntry};
+pub(super) use view::{CameraEntry, RenderEntry};
+
+/// A scene file, read and checked by itself.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    pub(super) path: PathBuf,
+    pub(super) text: Arc<str>,
+    pub(super) camera: CameraEntry,
+    pub(super) render: RenderEntry,
+    pub(super) maps: Vec<(Located<String>, MapEntry)>,
+    pub(super) materials: Vec<(Located<String>, MaterialEntry)>,
+    pub(super) shapes: Vec<ShapeEntry>,
+}
+
+impl SceneFile {
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    /// [`Error::Io`], [`Error::Limit`], and as [`SceneFile::parse`].
+    pub fn read(path: &Path, limits: &Limits) -> Result<Self> {
+        let bytes = limits.read(path)?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let at = e.utf8_error().valid_up_to();
+            let line = e.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
+            let found = format!("a byte in line {line} that is not UTF-8");
+            Error::invalid(path, crate::Place::File, "text", found, "UTF-8")
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a scene file; `path` is what errors call it and where relative paths
+    /// start.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for text that is not TOML, an unknown key, a missing one, a value of the
+    /// wrong type or out of range; [`Error::Unsupported`] for what is planned but not there yet.
+    /// The place is the value's.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let doc = Document { path, text };
+        let parsed = DeTable::parse(text).map_err(|e| doc.syntax_error(&e))?;
+        let root = Table::root(doc, &parsed);
+        let (camera, render) = (root.require("camera")?, root.get("render"));
+        let (maps, materials) = (root.get("maps"), root.get("materials"));
+        let shapes = root.get("shapes");
+        root.finish()?;
+
+        let camera = CameraEntry::read(&camera.table()?)?;
+        let render = match render {
+            Some(value) => RenderEntry::read(&value.table()?)?,
+            None => RenderEntry::default(),
+        };
+        let mut file = Self {
+            path: path.to_owned(),
+            text: text.into(),
+            camera,
+            render,
+            maps: Vec::new(),
+            materials: Vec::new(),
+            shapes: Vec::new(),
+        };
+        if let Some(value) = maps {
+            for (name, value) in value.table()?.all() {
+                file.maps.push((name, MapEntry::read(&value.table()?)?));
+            }
+        }
+        if let Some(value) = materials {
+            for (name, value) in value.table()?.all() {
+                file.materials.push((name, MaterialEntry::read(&value.table()?)?));
+            }
+        }
+        if let Some(value) = shapes {
+            for value in value.items("an array of tables: [[shapes]]")? {
+                file.shapes.push(ShapeEntry::read(&value.table()?)?);
+            }
+        }
+        Ok(file)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The files the scene names, in the order of maps, materials and shapes.
+    pub fn references(&self) -> Vec<PathBuf> {
+        let maps = self.maps.iter().filter_map(|(_, map)| match &map.source {
+            MapSource::File { file, .. } => Some(file),
+            MapSource::Procedural { .. } => None,
+        });
+        let baked = self.maps.iter().filter_map(|(_, map)| map.distance.file.as_ref());
+        let textures = self.materials.iter().filter_map(|(_, m)| match &m.diffuse {
+            Diffuse::Texture(texture) => Some(&texture.file),
+            Diffuse::Uniform(_) => None,
+        });
+        let shapes = self.shapes.iter().filter_map(|shape| match &shape.shape {
+            Shape::Mesh { file, .. } => Some(file),
+            Shape::Quad(quad) => match &quad.displacement.as_ref()?.normals {
+                Normals::File { file, .. } => Some(file),
+                _ => None,
+            },
+            Shape::Sphere { .. } => None,
+        });
+        maps.chain(baked).chain(textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
+    }
+
+    /// A path of the file; relative ones start at its folder.
+    pub(super) fn beside(&self, file: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    pub(super) fn document(&self) -> Document<'_> {
+        Document { path: &self.path, text: &self.text }
+    }
+}

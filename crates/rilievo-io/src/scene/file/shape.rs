@@ -1,0 +1,223 @@
+//! `[[shapes]]`.
+
+use std::ops::Range;
+
+use rilievo::glam::{DAffine3, DMat3, DVec3, EulerRot};
+use rilievo::map::NormalConvention;
+use rilievo::relief::{Displacement, Method};
+
+use super::super::syntax::{Located, Table, Value};
+use super::material::PAIR;
+use super::view::{POINT, method, point};
+use crate::error::Result;
+
+/// Which normals a displaced quad is shaded with.
+#[derive(Clone, Debug)]
+pub(in super::super) enum Normals {
+    Exact,
+    Smooth,
+    Published,
+    WrongMetric,
+    /// A normal map.
+    File {
+        file: Located<String>,
+        convention: NormalConvention,
+    },
+}
+
+/// What `displacement` says.
+#[derive(Clone, Debug)]
+pub(in super::super) struct DisplacementEntry {
+    pub map: Located<String>,
+    pub displacement: Displacement,
+    pub normals: Normals,
+    pub at: Range<usize>,
+}
+
+/// A quad.
+#[derive(Clone, Debug)]
+pub(in super::super) struct QuadEntry {
+    pub corners: Located<[DVec3; 4]>,
+    pub displacement: Option<DisplacementEntry>,
+    pub method: Option<Method>,
+    pub closed: bool,
+    pub one_sided: bool,
+}
+
+/// A shape.
+#[derive(Clone, Debug)]
+pub(in super::super) enum Shape {
+    Quad(QuadEntry),
+    Sphere { center: DVec3, radius: Located<f64> },
+    Mesh { file: Located<String>, world_from_object: Option<Located<DAffine3>> },
+}
+
+/// What an entry of `[[shapes]]` says.
+#[derive(Clone, Debug)]
+pub(in super::super) struct ShapeEntry {
+    pub shape: Shape,
+    pub material: Option<Located<String>>,
+}
+
+/// The types of shapes.
+#[derive(Clone, Copy)]
+enum Kind {
+    Quad,
+    Sphere,
+    Mesh,
+}
+
+impl ShapeEntry {
+    pub fn read(table: &Table<'_>) -> Result<Self> {
+        let kinds = [("quad", Kind::Quad), ("sphere", Kind::Sphere), ("mesh", Kind::Mesh)];
+        let kind = table.require("type")?.choice(&kinds)?;
+        let material = table.get("material").map(|v| v.name()).transpose()?;
+        let shape = match kind {
+            Kind::Quad => Shape::Quad(read_quad(table)?),
+            Kind::Sphere => read_sphere(table)?,
+            Kind::Mesh => read_mesh(table)?,
+        };
+        table.finish()?;
+        Ok(Self { shape, material })
+    }
+}
+
+fn read_quad(table: &Table<'_>) -> Result<QuadEntry> {
+    let corners = table.require("corners")?.located(|value| {
+        let mut corners = [DVec3::ZERO; 4];
+        let allowed = "four corners: [[x, y, z], [x, y, z], [x, y, z], [x, y, z]]";
+        for (slot, corner) in corners.iter_mut().zip(value.array::<4>(allowed)?) {
+            *slot = point(&corner)?;
+        }
+        Ok(corners)
+    })?;
+    let one_sided = table.get("one_sided").map_or(Ok(false), |v| v.boolean())?;
+    let displacement = table.get("displacement");
+    let (closed, walked) = (table.get("closed"), table.get("method"));
+    if displacement.is_none()
+        && let Some(value) = closed.as_ref().or(walked.as_ref())
+    {
+        return Err(value.invalid("nothing: only a quad with `displacement` has this key"));
+    }
+    Ok(QuadEntry {
+        corners,
+        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
+        method: walked.map(|v| method(&v)).transpose()?,
+        closed: closed.map_or(Ok(false), |v| v.boolean())?,
+        one_sided,
+    })
+}
+
+/// Refuses displacement where it is not there yet.
+fn flat(table: &Table<'_>, kind: &str) -> Result<()> {
+    match table.get("displacement") {
+        Some(value) => {
+            let found = format!("a displaced {kind} is not supported yet");
+            Err(value.unsupported(found, "displacement of a quad that is a parallelogram"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn read_sphere(table: &Table<'_>) -> Result<Shape> {
+    flat(table, "sphere")?;
+    let center = point(&table.require("center")?)?;
+    let radius = table.require("radius")?;
+    let radius = radius.located(|v| v.number_in(f64::MIN_POSITIVE.., "a number above 0"))?;
+    Ok(Shape::Sphere { center, radius })
+}
+
+fn read_mesh(table: &Table<'_>) -> Result<Shape> {
+    flat(table, "mesh")?;
+    let file = table.require("file")?.name()?;
+    if let Some(value) = table.get("edges") {
+        // Both mean the same until meshes are displaced.
+        value.choice(&[("shared", ()), ("as-authored", ())])?;
+    }
+    let transform = table.get("transform");
+    let world_from_object = transform.map(|v| v.located(read_transform)).transpose()?;
+    Ok(Shape::Mesh { file, world_from_object })
+}
+
+/// Scaled first, then turned about x, y and z, then moved.
+fn read_transform(value: &Value<'_>) -> Result<DAffine3> {
+    let table = value.table()?;
+    let (translate, rotate) = (table.get("translate"), table.get("rotate"));
+    let scale = table.get("scale");
+    table.finish()?;
+    let translate = translate.map_or(Ok(DVec3::ZERO), |v| point(&v))?;
+    let [x, y, z] = rotate.map_or(Ok([0.0; 3]), |v| v.numbers(POINT))?.map(f64::to_radians);
+    let scale = scale.map_or(Ok(1.0), |v| match v.number()? {
+        0.0 => Err(v.invalid("a number other than 0")),
+        scale => Ok(scale),
+    })?;
+    // Glam names rotations from the last one applied.
+    let turn = DMat3::from_euler(EulerRot::ZYX, z, y, x);
+    Ok(DAffine3::from_mat3_translation(turn * scale, translate))
+}
+
+impl DisplacementEntry {
+    fn read(value: &Value<'_>) -> Result<Self> {
+        let table = value.table()?;
+        let map = table.require("map")?.name()?;
+        let mut displacement = Displacement::default();
+        if let Some(value) = table.get("scale") {
+            displacement.scale = match value.number()? {
+                0.0 => return Err(value.invalid("a number other than 0")),
+                scale => scale,
+            };
+        }
+        if let Some(value) = table.get("zero") {
+            displacement.zero = value.number()?;
+        }
+        if let Some(value) = table.get("tile") {
+            let allowed = "two numbers above 0: [along u, along v]";
+            for (slot, value) in displacement.tile.iter_mut().zip(value.array::<2>(allowed)?) {
+                *slot = value.number_in(f64::MIN_POSITIVE.., "a number above 0")?;
+            }
+        }
+        if let Some(value) = table.get("shift") {
+            displacement.shift = value.numbers(PAIR)?;
+        }
+        let normals = table.get("normals").map_or(Ok(Normals::Smooth), |v| Normals::read(&v))?;
+        table.finish()?;
+        Ok(Self { map, displacement, normals, at: value.at() })
+    }
+}
+
+impl Normals {
+    fn read(value: &Value<'_>) -> Result<Self> {
+        /// The kinds that need no file.
+        #[derive(Clone, Copy)]
+        enum Kind {
+            Exact,
+            Smooth,
+            Published,
+            WrongMetric,
+        }
+
+        if value.is_table() {
+            let table = value.table()?;
+            let file = table.require("file")?.name()?;
+            let convention = table.require("convention")?;
+            let convention = convention.choice(&[
+                ("opengl", NormalConvention::OpenGl),
+                ("directx", NormalConvention::DirectX),
+            ])?;
+            table.finish()?;
+            return Ok(Self::File { file, convention });
+        }
+        let kind = value.choice(&[
+            ("smooth", Kind::Smooth),
+            ("exact", Kind::Exact),
+            ("published", Kind::Published),
+            ("wrong-metric", Kind::WrongMetric),
+        ])?;
+        Ok(match kind {
+            Kind::Exact => Self::Exact,
+            Kind::Smooth => Self::Smooth,
+            Kind::Published => Self::Published,
+            Kind::WrongMetric => Self::WrongMetric,
+        })
+    }
+}

@@ -1,0 +1,130 @@
+//! `[camera]` and `[render]`.
+
+use rilievo::glam::DVec3;
+use rilievo::relief::Method;
+use rilievo_render::film::tonemap::{ToneCurve, ToneMap};
+use rilievo_render::{Camera, CameraParts, Filter, Integrator, RenderSettings};
+
+use super::super::syntax::{Table, Value};
+use crate::error::Result;
+
+/// Three numbers, in words.
+pub(super) const POINT: &str = "three numbers: [x, y, z]";
+/// Three channels, in words.
+const COLOUR: &str = "three numbers of at least 0: [red, green, blue]";
+/// Largest exposure in stops, either way.
+const MAX_STOPS: f64 = 100.0;
+
+/// A point or a direction.
+pub(super) fn point(value: &Value<'_>) -> Result<DVec3> {
+    Ok(DVec3::from_array(value.numbers(POINT)?))
+}
+
+/// A linear colour.
+pub(super) fn colour(value: &Value<'_>) -> Result<DVec3> {
+    let mut rgb = [0.0; 3];
+    for (slot, channel) in rgb.iter_mut().zip(value.array::<3>(COLOUR)?) {
+        *slot = channel.number_in(0.0.., "a number of at least 0")?;
+    }
+    Ok(DVec3::from_array(rgb))
+}
+
+/// What `[camera]` says.
+#[derive(Clone, Debug)]
+pub(in super::super) struct CameraEntry {
+    pub parts: CameraParts,
+    /// Where `look_at` and `up`, or the table, stand.
+    pub look_at: std::ops::Range<usize>,
+    pub up: std::ops::Range<usize>,
+}
+
+impl CameraEntry {
+    pub fn read(table: &Table<'_>) -> Result<Self> {
+        let position = table.require("position")?;
+        let look_at = table.require("look_at")?;
+        let (up, fov) = (table.get("up"), table.get("fov"));
+        let resolution = table.get("resolution");
+        table.finish()?;
+        let mut parts = CameraParts {
+            position: point(&position)?,
+            look_at: point(&look_at)?,
+            up: DVec3::Z,
+            fov: 40.0,
+            resolution: [512, 512],
+        };
+        if let Some(up) = &up {
+            parts.up = point(up)?;
+        }
+        if let Some(fov) = fov {
+            let allowed = "a number above 0 and below 180 (degrees)";
+            parts.fov = fov.number_in(f64::MIN_POSITIVE..180.0, allowed)?;
+        }
+        if let Some(resolution) = resolution {
+            parts.resolution = resolution.integers(1..=Camera::MAX_RESOLUTION)?;
+        }
+        let up = up.map_or_else(|| table.at(), |up| up.at());
+        Ok(Self { parts, look_at: look_at.at(), up })
+    }
+}
+
+/// What `[render]` says.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in super::super) struct RenderEntry {
+    pub settings: RenderSettings,
+    pub background: DVec3,
+    pub ambient: DVec3,
+    pub tone_map: ToneMap,
+    pub method: Method,
+}
+
+impl RenderEntry {
+    pub fn read(table: &Table<'_>) -> Result<Self> {
+        let mut entry = Self::default();
+        let settings = &mut entry.settings;
+        if let Some(value) = table.get("integrator") {
+            settings.integrator = value.choice(&Integrator::ALL.map(|i| (i.name(), i)))?;
+        }
+        let (samples, split) = (RenderSettings::MAX_SAMPLES, RenderSettings::MAX_SPLIT);
+        for (key, count, range) in [
+            ("samples", &mut settings.samples, 1..=samples),
+            ("shadow_samples", &mut settings.shadow_samples, 1..=split),
+            ("glossy_samples", &mut settings.glossy_samples, 1..=split),
+            ("max_depth", &mut settings.max_depth, 0..=RenderSettings::MAX_DEPTH),
+        ] {
+            if let Some(value) = table.get(key) {
+                *count = value.integer(range)?;
+            }
+        }
+        if let Some(value) = table.get("seed") {
+            // TOML's own integers end at 2^63 - 1.
+            settings.seed = value.integer(0..=i64::MAX as u64)?;
+        }
+        if let Some(value) = table.get("filter") {
+            settings.filter = value.choice(&Filter::ALL.map(|f| (f.name(), f)))?;
+        }
+        if let Some(value) = table.get("background") {
+            entry.background = colour(&value)?;
+        }
+        if let Some(value) = table.get("ambient") {
+            entry.ambient = colour(&value)?;
+        }
+        if let Some(value) = table.get("exposure") {
+            let allowed = "a number of stops from -100 to 100";
+            entry.tone_map.exposure = value.number_in(-MAX_STOPS..=MAX_STOPS, allowed)?;
+        }
+        if let Some(value) = table.get("tone_map") {
+            entry.tone_map.curve =
+                value.choice(&[("clamp", ToneCurve::Clamp), ("filmic", ToneCurve::Filmic)])?;
+        }
+        if let Some(value) = table.get("method") {
+            entry.method = method(&value)?;
+        }
+        table.finish()?;
+        Ok(entry)
+    }
+}
+
+/// A method, by name.
+pub(super) fn method(value: &Value<'_>) -> Result<Method> {
+    value.choice(&Method::ALL.map(|m| (m.name(), m)))
+}

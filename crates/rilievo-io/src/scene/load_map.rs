@@ -1,0 +1,156 @@
+//! Maps of a scene: read or made once, with the distance maps that methods ask for.
+
+use std::sync::Arc;
+
+use rilievo::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric};
+use rilievo::relief::{Method, Relief};
+
+use super::file::{MapEntry, MapSource, SceneFile};
+use super::resolve::referenced;
+use super::syntax::Located;
+use crate::error::{Error, Place, Result};
+use crate::image::HeightOptions;
+use crate::limits::Limits;
+use crate::map_file::{BakedContent, BakedMap, MapSource as BakedSource};
+
+/// Most voxels or nodes a distance map gets along x and y if the scene does not say.
+const DEFAULT_SIDE: u32 = 256;
+/// Voxels or nodes along z if the scene does not say.
+const DEFAULT_DEPTH: u32 = 32;
+
+/// What a map needs beyond its heights: distance kinds, each with the metric of the face that asks
+/// first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Needs {
+    kinds: Vec<(DistanceKind, Face)>,
+}
+
+/// The face a distance map is made for: its sides and its depth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    /// Lengths of one repetition of the map along u and v, scene units.
+    pub sides: [f64; 2],
+    /// Scene units per unit of height.
+    pub scale: f64,
+}
+
+impl Needs {
+    /// Notes that `face` is walked by `method`.
+    pub fn add(&mut self, method: Method, face: Face) {
+        let kind = match method {
+            Method::Distance => DistanceKind::Boxes,
+            Method::DistanceCorrected => DistanceKind::Corrected,
+            Method::DistancePublished => DistanceKind::Published,
+            Method::Dda | Method::Pyramid | Method::March => return,
+        };
+        if self.kinds.iter().all(|(k, _)| *k != kind) {
+            self.kinds.push((kind, face));
+        }
+    }
+}
+
+/// Reads or makes a map and what it needs.
+pub(super) fn load(
+    file: &SceneFile,
+    entry: &MapEntry,
+    needs: &Needs,
+    limits: &Limits,
+) -> Result<Arc<Relief>> {
+    let mut relief = Relief::new(heights(file, entry, limits)?);
+    let mut baked = match &entry.distance.file {
+        Some(name) => Some((name, read_baked(file, name, relief.heights(), limits)?)),
+        None => None,
+    };
+    for &(kind, face) in &needs.kinds {
+        let map = match &mut baked {
+            Some((name, map)) if map.kind() != kind => {
+                let found = format!("a distance map of kind {:?}", map.kind());
+                let allowed = format!("{kind:?}, which the method of a shape asks for");
+                return Err(fault(file, &name.at, "distance.file", found, allowed));
+            }
+            Some((_, map)) => map.clone(),
+            None => make_distance(file, entry, relief.heights(), (kind, face), limits)?,
+        };
+        relief = relief
+            .with_distance(map)
+            .map_err(|e| fault(file, &entry.at, "distance", e.to_string(), ""))?;
+    }
+    Ok(Arc::new(relief))
+}
+
+fn fault(
+    file: &SceneFile,
+    at: &std::ops::Range<usize>,
+    what: &str,
+    found: impl Into<String>,
+    allowed: impl Into<String>,
+) -> Error {
+    Error::Invalid(Box::new(file.document().fault(at, what, found, allowed)))
+}
+
+fn heights(file: &SceneFile, entry: &MapEntry, limits: &Limits) -> Result<HeightMap> {
+    match &entry.source {
+        MapSource::File { file: name, invert } => {
+            let options =
+                HeightOptions { lattice: entry.lattice, wrap: entry.wrap, invert: *invert };
+            let path = file.beside(&name.value);
+            options.read(&path, limits).map_err(|e| referenced(file, name, "map", e))
+        }
+        MapSource::Procedural { shape, size, codes } => {
+            let [width, height] = size.value;
+            let sample = if *codes { 2 } else { 4 };
+            let sides = [u64::from(width), u64::from(height), sample];
+            let place = Place::Text(crate::Excerpt::new(&file.text, size.at.clone()));
+            limits.check(&file.path, place, "the height map", &sides)?;
+            let made = if *codes {
+                shape.height_map(size.value, entry.lattice, entry.wrap)
+            } else {
+                shape.height_map_f32(size.value, entry.lattice, entry.wrap)
+            };
+            made.map_err(|e| fault(file, &entry.at, "map", e.to_string(), ""))
+        }
+    }
+}
+
+/// The baked distance map `name`, made from `heights`.
+fn read_baked(
+    file: &SceneFile,
+    name: &Located<String>,
+    heights: &HeightMap,
+    limits: &Limits,
+) -> Result<DistanceMap> {
+    let path = file.beside(&name.value);
+    let baked = BakedMap::read(&path, limits);
+    let baked = baked.map_err(|e| referenced(file, name, "distance.file", e))?;
+    let allowed = "a distance map baked from this map, with this grid and wrap";
+    let BakedContent::Distances(map) = baked.content else {
+        return Err(fault(file, &name.at, "distance.file", "another kind of baked map", allowed));
+    };
+    if baked.source != BakedSource::of(heights) {
+        return Err(fault(file, &name.at, "distance.file", "baked from another map", allowed));
+    }
+    Ok(map)
+}
+
+fn make_distance(
+    file: &SceneFile,
+    entry: &MapEntry,
+    heights: &HeightMap,
+    (kind, face): (DistanceKind, Face),
+    limits: &Limits,
+) -> Result<DistanceMap> {
+    let least = kind.least_size();
+    let side = |samples: u32| samples.clamp(least, DEFAULT_SIDE);
+    let default = [side(heights.width()), side(heights.height()), DEFAULT_DEPTH];
+    let size = entry.distance.size.clone();
+    let size = size.unwrap_or(Located { value: default, at: entry.at.clone() });
+    let bits = entry.distance.bits.unwrap_or(DistanceBits::U8);
+    let bytes = DistanceMap::predicted_bytes(size.value, bits);
+    let place = Place::Text(crate::Excerpt::new(&file.text, size.at.clone()));
+    let bytes = u64::try_from(bytes).unwrap_or(u64::MAX);
+    limits.check(&file.path, place, "the distance map", &[bytes])?;
+    let metric = Metric::of_face(heights, face.sides, face.scale.abs());
+    let options = DistanceOptions { size: size.value, metric, bits };
+    DistanceMap::from_height(heights, kind, &options)
+        .map_err(|e| fault(file, &size.at, "distance", e.to_string(), ""))
+}

@@ -1,0 +1,313 @@
+//! [`SceneFile::load`]: names to references, files to maps, meshes and images.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
+use rilievo::surface::{Quad, Sphere, Surface, World};
+use rilievo_render::film::tonemap::ToneMap;
+use rilievo_render::texture::{ColourImage, Texture};
+use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
+
+use super::file::{
+    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape,
+};
+use super::load_map::{self, Face, Needs};
+use super::syntax::{Located, hint};
+use crate::error::{Error, Result};
+use crate::image::{NormalOptions, read_colour};
+use crate::limits::Limits;
+use crate::mesh::read_obj;
+
+/// How a scene is loaded.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LoadOptions {
+    /// What each file may need.
+    pub limits: Limits,
+    /// Walks every relief, whatever the scene says.
+    pub method: Option<Method>,
+}
+
+/// A scene with its maps, ready to be rendered.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// The maps its shapes use, by name.
+    pub maps: Vec<LoadedMap>,
+    /// How its picture is to be shown.
+    pub tone_map: ToneMap,
+}
+
+/// A map of a scene.
+#[derive(Clone, Debug)]
+pub struct LoadedMap {
+    /// Its name in the scene.
+    pub name: String,
+    /// Heights, pyramid and distance maps, shared by the shapes.
+    pub relief: Arc<Relief>,
+}
+
+impl SceneFile {
+    /// Reads the files that the scene's shapes need and builds the scene. A map, texture or baked
+    /// file that no shape uses is not read.
+    ///
+    /// # Errors
+    /// [`Error::Reference`] for a file that cannot be read; [`Error::Invalid`] for a name that is
+    /// not there, shapes without area, a camera without direction; [`Error::Unsupported`] for a
+    /// displaced quad that is not a parallelogram. The place is that in the scene file.
+    pub fn load(&self, options: &LoadOptions) -> Result<LoadedScene> {
+        let camera = self.load_camera()?;
+        let used = self.used_materials()?;
+        let mut loader =
+            Loader { file: self, options, maps: HashMap::new(), images: HashMap::new() };
+        loader.load_maps()?;
+        let mut materials = Vec::new();
+        for &index in &used.materials {
+            materials.push(match index {
+                Some(index) => loader.material(&self.materials[index].1)?,
+                None => Material::default(),
+            });
+        }
+        let mut surfaces = Vec::new();
+        for entry in &self.shapes {
+            surfaces.push(loader.surface(&entry.shape)?);
+        }
+        let parts = SceneParts {
+            world: World::new(surfaces),
+            materials,
+            material_of: used.of_shape,
+            camera,
+            background: self.render.background,
+            ambient: self.render.ambient,
+            settings: self.render.settings,
+        };
+        let scene = Scene::new(parts)
+            .map_err(|e| self.invalid(&(0..0), "scene", e.to_string(), String::new()))?;
+        let mut maps: Vec<_> = (loader.maps.into_iter())
+            .map(|(name, relief)| LoadedMap { name: name.to_owned(), relief })
+            .collect();
+        maps.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map })
+    }
+
+    fn load_camera(&self) -> Result<Camera> {
+        let entry = &self.camera;
+        Camera::new(entry.parts).map_err(|e| {
+            let (at, what, allowed) = match e {
+                CameraError::NoDirection => {
+                    (&entry.look_at, "camera.look_at", "a point other than `position`")
+                }
+                _ => (&entry.up, "camera.up", "a direction that is not that of the view"),
+            };
+            self.invalid(at, what, e.to_string(), allowed.to_owned())
+        })
+    }
+
+    /// The materials that shapes name; the default one where they name none.
+    fn used_materials(&self) -> Result<Used> {
+        let mut used = Used { materials: Vec::new(), of_shape: Vec::new() };
+        for shape in &self.shapes {
+            let index = match &shape.material {
+                Some(name) => Some(self.find(name, &self.materials, "material")?),
+                None => None,
+            };
+            let at = used.materials.iter().position(|m| *m == index).unwrap_or_else(|| {
+                used.materials.push(index);
+                used.materials.len() - 1
+            });
+            used.of_shape.push(at as u32);
+        }
+        Ok(used)
+    }
+
+    /// The place of `name` in a list.
+    fn find<T>(
+        &self,
+        name: &Located<String>,
+        all: &[(Located<String>, T)],
+        what: &str,
+    ) -> Result<usize> {
+        all.iter().position(|(n, _)| n.value == name.value).ok_or_else(|| {
+            let names: Vec<_> = all.iter().map(|(n, _)| n.value.as_str()).collect();
+            let found = format!("\"{}\" is not there{}", name.value, hint(&name.value, &names));
+            let allowed = match names.is_empty() {
+                true => format!("none: the scene has no [{what}s.NAME]"),
+                false => names.join(", "),
+            };
+            self.invalid(&name.at, what, found, allowed)
+        })
+    }
+
+    fn invalid(&self, at: &Range<usize>, what: &str, found: String, allowed: String) -> Error {
+        Error::Invalid(Box::new(self.document().fault(at, what, found, allowed)))
+    }
+}
+
+/// `name`, in the role of `what`, could not be read.
+pub(super) fn referenced(
+    file: &SceneFile,
+    name: &Located<String>,
+    what: &str,
+    source: Error,
+) -> Error {
+    let found = format!("\"{}\" cannot be used", name.value);
+    let fault = file.document().fault(&name.at, what, found, "");
+    Error::Reference { fault: Box::new(fault), source: Box::new(source) }
+}
+
+/// The materials in use, and which shape uses which.
+struct Used {
+    /// Places in the scene's list; none is the default material.
+    materials: Vec<Option<usize>>,
+    /// For each shape, a place in `materials`.
+    of_shape: Vec<u32>,
+}
+
+/// Loads each file once.
+struct Loader<'a> {
+    file: &'a SceneFile,
+    options: &'a LoadOptions,
+    maps: HashMap<&'a str, Arc<Relief>>,
+    images: HashMap<PathBuf, Arc<ColourImage>>,
+}
+
+impl<'a> Loader<'a> {
+    fn method(&self, quad: &QuadEntry) -> Method {
+        self.options.method.or(quad.method).unwrap_or(self.file.render.method)
+    }
+
+    /// Loads every map that a shape uses.
+    fn load_maps(&mut self) -> Result<()> {
+        let mut needs: Vec<(usize, Needs)> = Vec::new();
+        for shape in &self.file.shapes {
+            let Shape::Quad(quad) = &shape.shape else { continue };
+            let Some(entry) = &quad.displacement else { continue };
+            let index = self.file.find(&entry.map, &self.file.maps, "map")?;
+            self.parallelogram(quad)?;
+            let at = needs.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {
+                needs.push((index, Needs::default()));
+                needs.len() - 1
+            });
+            let [c0, c1, _, c3] = quad.corners.value;
+            let tile = entry.displacement.tile;
+            let sides = [(c1 - c0).length() / tile[0], (c3 - c0).length() / tile[1]];
+            needs[at].1.add(self.method(quad), Face { sides, scale: entry.displacement.scale });
+        }
+        for (index, needs) in needs {
+            let (name, entry) = &self.file.maps[index];
+            let relief = load_map::load(self.file, entry, &needs, &self.options.limits)?;
+            self.maps.insert(&name.value, relief);
+        }
+        Ok(())
+    }
+
+    /// Refuses a quad that cannot be displaced, before its map is read.
+    fn parallelogram(&self, quad: &QuadEntry) -> Result<()> {
+        let flat = self.flat_quad(quad)?;
+        let [c0, c1, c2, c3] = quad.corners.value;
+        let near =
+            (c2 - (c1 + c3 - c0)).length() <= 1e-9 * (c1 - c0).length().max((c3 - c0).length());
+        if flat.is_parallelogram() || near {
+            return Ok(());
+        }
+        let found = "a displaced quad that is not a parallelogram is not supported yet";
+        let p = c1 + c3 - c0;
+        let allowed = format!("c2 = c1 + c3 - c0 = [{}, {}, {}]", p.x, p.y, p.z);
+        let fault = self.file.document().fault(&quad.corners.at, "corners", found, allowed);
+        Err(Error::Unsupported(Box::new(fault)))
+    }
+
+    fn flat_quad(&self, quad: &QuadEntry) -> Result<Quad> {
+        Quad::new(quad.corners.value, quad.one_sided).map_err(|e| {
+            let allowed = "four corners that span an area, numbers up to 1e100";
+            self.file.invalid(&quad.corners.at, "corners", e.to_string(), allowed.to_owned())
+        })
+    }
+
+    fn surface(&mut self, shape: &Shape) -> Result<Surface> {
+        match shape {
+            Shape::Quad(quad) => match &quad.displacement {
+                None => Ok(self.flat_quad(quad)?.into()),
+                Some(entry) => Ok(self.face(quad, entry)?.into()),
+            },
+            Shape::Sphere { center, radius } => {
+                let sphere = Sphere::new(*center, radius.value).map_err(|e| {
+                    let allowed = "numbers up to 1e100, a radius from 1e-100".to_owned();
+                    self.file.invalid(&radius.at, "sphere", e.to_string(), allowed)
+                })?;
+                Ok(sphere.into())
+            }
+            Shape::Mesh { file, world_from_object } => {
+                let path = self.file.beside(&file.value);
+                let mesh = read_obj(&path, &self.options.limits)
+                    .map_err(|e| referenced(self.file, file, "mesh", e))?;
+                let Some(place) = world_from_object else { return Ok(mesh.into()) };
+                let mesh = mesh.transformed(place.value).map_err(|e| {
+                    let allowed = "a transform that can be inverted, numbers up to 1e100";
+                    self.file.invalid(&place.at, "transform", e.to_string(), allowed.to_owned())
+                })?;
+                Ok(mesh.into())
+            }
+        }
+    }
+
+    fn face(&self, quad: &QuadEntry, entry: &DisplacementEntry) -> Result<ReliefFace> {
+        let relief = Arc::clone(&self.maps[entry.map.value.as_str()]);
+        let options = FaceOptions {
+            displacement: entry.displacement,
+            method: self.method(quad),
+            normals: self.normals(&entry.normals, &relief)?,
+            closed: quad.closed,
+            one_sided: quad.one_sided,
+        };
+        ReliefFace::new(quad.corners.value, relief, options).map_err(|e| {
+            let at = match e {
+                FaceError::NotParallelogram { .. } | FaceError::Degenerate => &quad.corners.at,
+                _ => &entry.at,
+            };
+            self.file.invalid(at, "displacement", e.to_string(), String::new())
+        })
+    }
+
+    fn normals(&self, normals: &Normals, relief: &Relief) -> Result<ShadingNormals> {
+        Ok(match normals {
+            Normals::Exact => ShadingNormals::Exact,
+            Normals::Smooth => ShadingNormals::Smooth,
+            Normals::Published => ShadingNormals::Published,
+            Normals::WrongMetric => ShadingNormals::WrongMetric,
+            Normals::File { file, convention } => {
+                let x = relief.heights().x();
+                let (lattice, wrap) = (x.lattice(), x.wrap());
+                let options = NormalOptions { convention: *convention, lattice, wrap };
+                let map = options.read(&self.file.beside(&file.value), &self.options.limits);
+                let map = map.map_err(|e| referenced(self.file, file, "normals", e))?;
+                ShadingNormals::Map(Arc::new(map))
+            }
+        })
+    }
+
+    fn material(&mut self, entry: &MaterialEntry) -> Result<Material> {
+        let diffuse = match &entry.diffuse {
+            Diffuse::Uniform(rgb) => Reflectance::Uniform(*rgb),
+            Diffuse::Texture(texture) => {
+                let path = self.file.beside(&texture.file.value);
+                let image = match self.images.get(&path) {
+                    Some(image) => Arc::clone(image),
+                    None => {
+                        let image = read_colour(&path, &self.options.limits)
+                            .map_err(|e| referenced(self.file, &texture.file, "texture", e))?;
+                        let image = Arc::new(image);
+                        self.images.insert(path, Arc::clone(&image));
+                        image
+                    }
+                };
+                Reflectance::Textured(Texture { image, tile: texture.tile, shift: texture.shift })
+            }
+        };
+        let MaterialEntry { reflective, roughness, emitted, .. } = *entry;
+        Ok(Material { diffuse, reflective, roughness, emitted })
+    }
+}
