@@ -94,8 +94,12 @@ impl Patch {
             let direction = ray.direction[k];
             let ends = at[k] + kept * direction;
             let line = ends.clamp(0.0, 1.0);
-            if ends != line && direction != 0.0 {
-                kept = (line - at[k]) / direction;
+            // A ray along a line may lie a rounding beyond it throughout: that is no way out.
+            let rounding = 8.0 * f64::EPSILON * (1.0 + ray.origin[k].abs());
+            if (ends - line).abs() > rounding && direction != 0.0 {
+                // The way to the border, or none if the start lies beyond it already.
+                let way = (line - at[k]) / direction;
+                kept = if kept < 0.0 { way.clamp(kept, 0.0) } else { way.clamp(0.0, kept) };
                 let mut cell = self.cell;
                 cell[k] += if line == 0.0 { -1 } else { 1 };
                 beyond = Some(cell);
@@ -133,6 +137,18 @@ mod tests {
         let root = refine(&ray, &saddle, [0, 0], want + 3e-7, [[0, 0], [1, 1]]);
         assert!((root.s - want).abs() < 1e-15, "{} against {want}", root.s);
         assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.gap.abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_ray_along_a_line_keeps_its_root() {
+        // 1e-17 beyond the line x = 1, drifting by 1e-16: over cell 1 or 0, the same root.
+        let map = map(3, 2, &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+        let ray = ray([1.0 - 1e-16, 0.25, 2.0], [1e-17, 0.5, -1.25]);
+        for cell in [0, 1] {
+            let root = refine(&ray, &map, [cell, 0], 0.8 + 1e-7, [[0, 0], [2, 1]]);
+            assert!((root.s - 0.8).abs() < 1e-14, "{root:?}");
+            assert!(root.gap.abs() < 1e-14);
+        }
     }
 
     #[test]
