@@ -80,7 +80,8 @@ impl Envelope {
                 continue;
             }
             let rise = base - top.base + weight * (site * site - top.site * top.site);
-            new.start = (rise / (2.0 * weight * (site - top.site))).floor() + 1.0;
+            // Not negative and below 2^53: the cast is the floor, without a call.
+            new.start = (rise / (2.0 * weight * (site - top.site))) as i64 as f64 + 1.0;
             if new.start < n as f64 {
                 self.pieces.push(top);
                 top = new;
