@@ -6,7 +6,7 @@
 use crate::map::HeightMap;
 use crate::probe::Probe;
 
-use super::leaf::{Crossings, LeafHit};
+use super::leaf::{Crossings, LeafHit, Span};
 use super::map_ray::MapRay;
 use super::tile::Tile;
 
@@ -22,7 +22,9 @@ pub(crate) fn walk_cells<P: Probe>(
     let mut cell = tile.cell_at(ray, from);
     loop {
         probe.cell();
-        if let Some(hit) = tile.intersect(map, ray, cell, admit) {
+        if let Some(span) = Span::new(ray, cell[0], cell[1])
+            && let Some(hit) = tile.intersect(map, ray, (cell, &span), admit)
+        {
             return Some(hit);
         }
         let far = [ray.t_far(0, cell[0]), ray.t_far(1, cell[1])];

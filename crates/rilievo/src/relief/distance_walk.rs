@@ -18,7 +18,7 @@
 use crate::map::{DistanceKind, DistanceMap, HeightMap};
 use crate::probe::Probe;
 
-use super::leaf::{Crossings, LeafHit};
+use super::leaf::{Crossings, LeafHit, Span};
 use super::map_ray::MapRay;
 use super::tile::{Tile, TileAxis};
 
@@ -42,7 +42,9 @@ pub(crate) fn walk_distance<P: Probe>(
             continue;
         }
         probe.cell();
-        if let Some(hit) = tile.intersect(map, ray, cell, admit) {
+        if let Some(span) = Span::new(ray, cell[0], cell[1])
+            && let Some(hit) = tile.intersect(map, ray, (cell, &span), admit)
+        {
             return Some(hit);
         }
         s = leave;

@@ -219,11 +219,11 @@ impl ReliefFace {
             }
         };
         let size = corner.abs().max_element() + edge_u.length() + edge_v.length() + offset.abs();
-        let along_ray = (crossing.gap / self.placement.raw_per_length).abs();
+        let off_ray = (crossing.error / self.placement.raw_per_length).abs();
         Hit {
             t: crossing.t,
             position: self.placement.base_point(u, v) + offset * normal,
-            position_error: size * 16.0 * f64::EPSILON + along_ray,
+            position_error: size * 16.0 * f64::EPSILON + off_ray,
             geometric_normal,
             shading_normal,
             tangents: [edge_u, edge_v],

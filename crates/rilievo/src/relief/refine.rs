@@ -5,7 +5,11 @@
 //! `e = s - s0`, and the root nearest to `e = 0` is the walk's root but for its rounding. A grazing
 //! ray may have its exact root in the neighbouring cell; then it is looked for there. Where the
 //! unrounded ray just misses what the rounded one grazed, the point of closest approach is taken:
-//! it lies within the leaf's slack of the surface. [`Root::gap`] says how near.
+//! it lies within the leaf's slack of the surface.
+//!
+//! The exact slope of the gap also tells the side the ray came from. Where a ray passes exactly
+//! through a sample, a sliver of a neighbouring cell may see a rounding of the wrong sign; a face
+//! with one side asks [`crosses`] before it believes such a root.
 
 use crate::map::HeightMap;
 
@@ -21,8 +25,22 @@ pub(crate) struct Root {
     pub local: [f64; 2],
     /// Raw height of the surface there.
     pub raw: f64,
-    /// Raw height of the ray over it.
-    pub gap: f64,
+    /// Bound on the raw height between the surface and the ray there.
+    pub error: f64,
+    /// Slope of the gap: negative if the ray comes from above, 0 if it only touches.
+    pub slope: f64,
+}
+
+/// Whether the exact crossing of `cell` near `s0` may be one from the given side.
+pub(crate) fn crosses(
+    ray: &ExactRay,
+    heights: &HeightMap,
+    cell: [i32; 2],
+    s0: f64,
+    from_above: bool,
+) -> bool {
+    let slope = Patch::new(heights, cell).root_near(ray, s0).root.slope;
+    slope == 0.0 || (slope < 0.0) == from_above
 }
 
 /// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to. Cells
@@ -82,34 +100,44 @@ impl Patch {
         let g1 = dz - (b + d * y) * dx - (c + d * x) * dy;
         let g2 = -d * dx * dy;
         let discriminant = g1 * g1 - 4.0 * g2 * g0;
-        let e = if discriminant >= 0.0 {
-            -2.0 * g0 / (g1 + g1.signum() * discriminant.sqrt())
+        let (e, slope) = if discriminant >= 0.0 {
+            let root = discriminant.sqrt();
+            (-2.0 * g0 / (g1 + g1.signum() * root), g1.signum() * root)
         } else {
-            -g1 / (2.0 * g2)
+            (-g1 / (2.0 * g2), 0.0)
         };
         let e = if e.is_finite() { e.max(-s0) } else { 0.0 };
-        // Keep to the cell: the border met first on the way to the root.
-        let (mut kept, mut beyond) = (e, None);
-        for k in 0..2 {
-            let direction = ray.direction[k];
-            let ends = at[k] + kept * direction;
-            let line = ends.clamp(0.0, 1.0);
-            // A ray along a line may lie a rounding beyond it throughout: that is no way out.
-            let rounding = 8.0 * f64::EPSILON * (1.0 + ray.origin[k].abs());
-            if (ends - line).abs() > rounding && direction != 0.0 {
-                // The way to the border, or none if the start lies beyond it already.
-                let way = (line - at[k]) / direction;
-                kept = if kept < 0.0 { way.clamp(kept, 0.0) } else { way.clamp(0.0, kept) };
-                let mut cell = self.cell;
-                cell[k] += if line == 0.0 { -1 } else { 1 };
-                beyond = Some(cell);
-            }
-        }
+        let (kept, beyond) = self.keep_inside(at, [dx, dy], e);
         let s = s0 + kept;
         let local = [0, 1].map(|k| (at[k] + kept * ray.direction[k]).clamp(0.0, 1.0));
         let raw = self.height(local);
         let gap = ray.origin[2] + s * dz - raw;
-        Candidate { root: Root { s, cell: self.cell, local, raw, gap }, beyond }
+        // The lattice coordinates themselves are rounded; on a steep cell that is a height.
+        let rounding =
+            8.0 * f64::EPSILON * (2.0 + self.cell.map(f64::from).map(f64::abs).iter().sum::<f64>());
+        let error = gap.abs() + rounding * (b.abs() + c.abs() + d.abs());
+        Candidate { root: Root { s, cell: self.cell, local, raw, error, slope }, beyond }
+    }
+
+    /// Shortens the step `e` from `at` to end on the cell's border if it leads outside; also names
+    /// the cell across that border. A start that is itself outside by a rounding does not move.
+    fn keep_inside(&self, at: [f64; 2], direction: [f64; 2], e: f64) -> (f64, Option<[i32; 2]>) {
+        let (mut kept, mut beyond) = (e, None);
+        for k in 0..2 {
+            let end = at[k] + kept * direction[k];
+            let line = end.clamp(0.0, 1.0);
+            if (end - line).abs() <= 1e-12 {
+                continue;
+            }
+            let to_line = (line - at[k]) / direction[k];
+            if to_line * kept >= 0.0 && to_line.abs() <= kept.abs() {
+                kept = to_line;
+            }
+            let mut cell = self.cell;
+            cell[k] += if line == 0.0 { -1 } else { 1 };
+            beyond = Some(cell);
+        }
+        (kept, beyond)
     }
 }
 
@@ -136,7 +164,7 @@ mod tests {
         let want = (-1.21 + (1.21f64 * 1.21 + 4.0 * 0.4 * 0.98).sqrt()) / 0.8;
         let root = refine(&ray, &saddle, [0, 0], want + 3e-7, [[0, 0], [1, 1]]);
         assert!((root.s - want).abs() < 1e-15, "{} against {want}", root.s);
-        assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.gap.abs() < 1e-15);
+        assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.error < 1e-14);
     }
 
     #[test]
@@ -147,7 +175,9 @@ mod tests {
         for cell in [0, 1] {
             let root = refine(&ray, &map, [cell, 0], 0.8 + 1e-7, [[0, 0], [2, 1]]);
             assert!((root.s - 0.8).abs() < 1e-14, "{root:?}");
-            assert!(root.gap.abs() < 1e-14);
+            assert!(root.error < 1e-13);
+            assert!(crosses(&ray, &map, [cell, 0], 0.8, true));
+            assert!(!crosses(&ray, &map, [cell, 0], 0.8, false));
         }
     }
 
@@ -157,7 +187,7 @@ mod tests {
         let saddle = map(2, 2, &[0.0, 1.0, 1.0, 0.0]);
         let ray = ray([0.0, 0.0, 0.5 + 1e-9], [1.0, 1.0, 0.0]);
         let root = refine(&ray, &saddle, [0, 0], 0.5 + 1e-6, [[0, 0], [1, 1]]);
-        assert!((root.s - 0.5).abs() < 1e-9 && (root.gap - 1e-9).abs() < 1e-12);
+        assert!((root.s - 0.5).abs() < 1e-9 && (root.error - 1e-9).abs() < 1e-12);
     }
 
     #[test]
@@ -168,9 +198,10 @@ mod tests {
         let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [2, 1]]);
         assert_eq!(root.cell, [1, 0]);
         assert!((root.s - 1.25).abs() < 1e-9 && (root.local[0] - 0.25).abs() < 1e-9);
+        assert!(root.slope < 0.0);
         // Without a neighbour it stays at the border, and says how far off it is.
         let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [1, 1]]);
         assert_eq!((root.cell, root.local[0]), ([0, 0], 1.0));
-        assert!((root.gap - 0.25e-6).abs() < 1e-12);
+        assert!((root.error - 0.25e-6).abs() < 1e-12);
     }
 }

@@ -15,6 +15,7 @@ use crate::map::HeightMap;
 
 use super::leaf::{self, Crossings, LeafHit, Span};
 use super::map_ray::MapRay;
+use super::refine;
 
 /// One axis of a tile: forward cells and the stored cells they show.
 #[derive(Clone, Copy, Debug)]
@@ -93,17 +94,21 @@ impl Tile {
         }
     }
 
-    /// Shows a forward cell of this tile to the leaf.
+    /// Shows a forward cell of this tile, over the ray's part in it, to the leaf.
     #[inline]
     pub fn intersect(
         &self,
         map: &HeightMap,
         ray: &MapRay,
-        cell: [i32; 2],
+        (cell, span): ([i32; 2], &Span),
         admit: Crossings,
     ) -> Option<LeafHit> {
-        let span = Span::new(ray, cell[0], cell[1])?;
-        span.intersect(ray, cell, &self.corners(map, cell), admit)
+        let hit = span.intersect(ray, cell, &self.corners(map, cell), admit)?;
+        let confirmed = admit == Crossings::Both || {
+            let cell = [0, 1].map(|axis| ray.unfolded(axis, cell[axis]));
+            refine::crosses(&ray.exact, map, cell, f64::from(hit.s), hit.from_above)
+        };
+        confirmed.then_some(hit)
     }
 
     /// The forward cell of this tile in which the ray is at `s`.

@@ -24,8 +24,8 @@ pub(crate) struct Crossing {
     pub lattice: [f64; 2],
     /// Raw height of the point.
     pub raw: f64,
-    /// Raw height of the ray over the point.
-    pub gap: f64,
+    /// Bound on the raw height between the point and the ray.
+    pub error: f64,
     /// Whether the ray came from the front.
     pub front: bool,
     pub place: Place,
@@ -75,8 +75,8 @@ pub(crate) fn first_crossing<P: Probe>(
                 t: exact.t_start + root.s * exact.t_length,
                 lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
                 raw: root.raw,
-                gap: root.gap,
-                front: from_above == rising,
+                error: root.error,
+                front: if root.slope == 0.0 { from_above } else { root.slope < 0.0 } == rising,
                 place: Place::Cell { cell: root.cell, local: root.local },
             }
         }
@@ -92,7 +92,7 @@ pub(crate) fn first_crossing<P: Probe>(
                 t: exact.t_start + s * exact.t_length,
                 lattice,
                 raw: at(2),
-                gap: 0.0,
+                error: 0.0,
                 front: from_above == rising,
                 place: Place::Wall(wall),
             }
@@ -256,7 +256,7 @@ fn approximate_crossing(face: &ReliefFace, ray: &MapRay, hit: ApproximateHit) ->
         t: exact.t_start + hit.s * exact.t_length,
         lattice: [x, y],
         raw: at(2),
-        gap: 0.0,
+        error: 0.0,
         front: hit.from_above == (face.options.displacement.scale > 0.0),
         place: Place::Cell {
             cell: [cell[0] as i32, cell[1] as i32],

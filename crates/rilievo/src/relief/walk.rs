@@ -150,9 +150,9 @@ impl<'a> Descent<'a> {
                     continue;
                 }
                 probe.cell();
-                let corners = self.tile.corners(self.map, [fx, fy]);
-                if let Some(hit) = span.intersect(self.ray, [fx, fy], &corners, admit) {
-                    return Some(hit);
+                let hit = self.tile.intersect(self.map, self.ray, ([fx, fy], &span), admit);
+                if hit.is_some() {
+                    return hit;
                 }
             }
         }
