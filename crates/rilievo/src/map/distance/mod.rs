@@ -40,7 +40,7 @@ mod verify;
 
 pub use codes::{Codes, DistanceBits};
 pub use exact::exact_distance;
-pub use parts::{DistanceMapError, DistanceParts};
+pub use parts::{DistanceKind, DistanceMapError, DistanceOptions, DistanceParts};
 pub use verify::{DistanceViolation, UnsafeCodes};
 
 use super::{HeightMap, Metric, Pyramid};
@@ -49,28 +49,6 @@ use codes::{Code, Quantiser};
 use corrected::Nodes;
 use domain::Domain;
 use parts::count;
-
-/// How distances are made and read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum DistanceKind {
-    /// The seed paper's; not safe.
-    Published,
-    /// Voxel boxes to column boxes; linear time, safe.
-    Boxes,
-    /// Exact at nodes, read with a correction; safe.
-    Corrected,
-}
-
-/// What [`DistanceMap::from_height`] makes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DistanceOptions {
-    /// Voxels (`Boxes`, at least 1) or nodes (else, at least 2) along x, y and z.
-    pub size: [u32; 3],
-    /// The reference metric, positive.
-    pub metric: Metric,
-    /// Bits of a stored distance.
-    pub bits: DistanceBits,
-}
 
 /// Distances over the stored cells of a height map. Valid by construction, safe as made; one that
 /// was loaded is as safe as its file, see [`DistanceMap::verify`].

@@ -1,10 +1,32 @@
-//! What a distance map consists of, and what is refused.
+//! What a distance map is made of, and what is refused.
 
-use super::{Codes, DistanceKind};
+use super::{Codes, DistanceBits};
 use crate::map::Metric;
 
 /// Most codes a map may have.
 const MAX_CODES: u128 = 1 << 31;
+
+/// How distances are made and read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DistanceKind {
+    /// The seed paper's; not safe.
+    Published,
+    /// Voxel boxes to column boxes; linear time, safe.
+    Boxes,
+    /// Exact at nodes, read with a correction; safe.
+    Corrected,
+}
+
+/// What [`DistanceMap::from_height`](super::DistanceMap::from_height) makes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceOptions {
+    /// Voxels (`Boxes`, at least 1) or nodes (else, at least 2) along x, y and z.
+    pub size: [u32; 3],
+    /// The reference metric, positive.
+    pub metric: Metric,
+    /// Bits of a stored distance.
+    pub bits: DistanceBits,
+}
 
 /// Why a distance map was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
