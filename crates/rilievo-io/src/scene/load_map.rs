@@ -2,21 +2,16 @@
 
 use std::sync::Arc;
 
-use rilievo::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric};
+use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric};
 use rilievo::relief::{Method, Relief};
 
 use super::file::{MapEntry, MapSource, SceneFile};
-use super::resolve::referenced;
+use super::resolve::{DistanceBuild, LoadOptions, referenced};
 use super::syntax::Located;
 use crate::error::{Error, Place, Result};
 use crate::image::HeightOptions;
 use crate::limits::Limits;
 use crate::map_file::{BakedContent, BakedMap, MapSource as BakedSource};
-
-/// Most voxels or nodes a distance map gets along x and y if the scene does not say.
-const DEFAULT_SIDE: u32 = 256;
-/// Voxels or nodes along z if the scene does not say.
-const DEFAULT_DEPTH: u32 = 32;
 
 /// What a map needs beyond its heights: distance kinds, each with the metric of the face that asks
 /// first.
@@ -49,13 +44,14 @@ impl Needs {
     }
 }
 
-/// Reads or makes a map and what it needs.
+/// Reads or makes the map `name` and what it needs.
 pub(super) fn load(
     file: &SceneFile,
-    entry: &MapEntry,
+    (name, entry): (&str, &MapEntry),
     needs: &Needs,
-    limits: &Limits,
+    options: &LoadOptions<'_>,
 ) -> Result<Arc<Relief>> {
+    let limits = &options.limits;
     let mut relief = Relief::new(heights(file, entry, limits)?);
     let mut baked = match &entry.distance.file {
         Some(name) => Some((name, read_baked(file, name, relief.heights(), limits)?)),
@@ -69,7 +65,17 @@ pub(super) fn load(
                 return Err(fault(file, &name.at, "distance.file", found, allowed));
             }
             Some((_, map)) => map.clone(),
-            None => make_distance(file, entry, relief.heights(), (kind, face), limits)?,
+            None => {
+                let build = plan_distance(file, entry, relief.heights(), (kind, face), limits)?;
+                (options.building)(&DistanceBuild {
+                    map: name,
+                    kind,
+                    size: build.value.size,
+                    cells: [relief.heights().x().cells(), relief.heights().y().cells()],
+                });
+                DistanceMap::from_height(relief.heights(), kind, &build.value)
+                    .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?
+            }
         };
         relief = relief
             .with_distance(map)
@@ -132,25 +138,22 @@ fn read_baked(
     Ok(map)
 }
 
-fn make_distance(
+/// How a distance map is to be built, and the place that says so.
+fn plan_distance(
     file: &SceneFile,
     entry: &MapEntry,
     heights: &HeightMap,
     (kind, face): (DistanceKind, Face),
     limits: &Limits,
-) -> Result<DistanceMap> {
-    let least = kind.least_size();
-    let side = |samples: u32| samples.clamp(least, DEFAULT_SIDE);
-    let default = [side(heights.width()), side(heights.height()), DEFAULT_DEPTH];
+) -> Result<Located<DistanceOptions>> {
+    let metric = Metric::of_face(heights, face.sides, face.scale.abs());
+    let default = DistanceOptions::by_default(heights, kind, metric);
     let size = entry.distance.size.clone();
-    let size = size.unwrap_or(Located { value: default, at: entry.at.clone() });
-    let bits = entry.distance.bits.unwrap_or(DistanceBits::U8);
+    let size = size.unwrap_or(Located { value: default.size, at: entry.at.clone() });
+    let bits = entry.distance.bits.unwrap_or(default.bits);
     let bytes = DistanceMap::predicted_bytes(size.value, bits);
     let place = Place::Text(crate::Excerpt::new(&file.text, size.at.clone()));
     let bytes = u64::try_from(bytes).unwrap_or(u64::MAX);
     limits.check(&file.path, place, "the distance map", &[bytes])?;
-    let metric = Metric::of_face(heights, face.sides, face.scale.abs());
-    let options = DistanceOptions { size: size.value, metric, bits };
-    DistanceMap::from_height(heights, kind, &options)
-        .map_err(|e| fault(file, &size.at, "distance", e.to_string(), ""))
+    Ok(Located { value: DistanceOptions { size: size.value, metric, bits }, at: size.at })
 }

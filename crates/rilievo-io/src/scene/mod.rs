@@ -26,4 +26,4 @@ mod resolve;
 mod syntax;
 
 pub use file::SceneFile;
-pub use resolve::{LoadOptions, LoadedMap, LoadedScene};
+pub use resolve::{DistanceBuild, LoadOptions, LoadedMap, LoadedScene};

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use rilievo::map::DistanceKind;
 use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
@@ -22,12 +23,34 @@ use crate::limits::Limits;
 use crate::mesh::read_obj;
 
 /// How a scene is loaded.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LoadOptions {
+#[derive(Clone, Copy)]
+pub struct LoadOptions<'a> {
     /// What each file may need.
     pub limits: Limits,
     /// Walks every relief, whatever the scene says.
     pub method: Option<Method>,
+    /// Told of every distance map before it is built: that may take a while.
+    pub building: &'a dyn Fn(&DistanceBuild<'_>),
+}
+
+impl Default for LoadOptions<'_> {
+    /// The scene's own methods, default limits, nobody told.
+    fn default() -> Self {
+        Self { limits: Limits::default(), method: None, building: &|_| {} }
+    }
+}
+
+/// A distance map that is about to be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceBuild<'a> {
+    /// The name of its height map in the scene.
+    pub map: &'a str,
+    /// Its kind.
+    pub kind: DistanceKind,
+    /// Voxels or nodes along x, y and z.
+    pub size: [u32; 3],
+    /// Stored cells of the height map along x and y.
+    pub cells: [u32; 2],
 }
 
 /// A scene with its maps, ready to be rendered.
@@ -58,7 +81,7 @@ impl SceneFile {
     /// [`Error::Reference`] for a file that cannot be read; [`Error::Invalid`] for a name that is
     /// not there, shapes without area, a camera without direction; [`Error::Unsupported`] for a
     /// displaced quad that is not a parallelogram. The place is that in the scene file.
-    pub fn load(&self, options: &LoadOptions) -> Result<LoadedScene> {
+    pub fn load(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
         let camera = self.load_camera()?;
         let used = self.used_materials()?;
         let mut loader =
@@ -169,7 +192,7 @@ struct Used {
 /// Loads each file once.
 struct Loader<'a> {
     file: &'a SceneFile,
-    options: &'a LoadOptions,
+    options: &'a LoadOptions<'a>,
     maps: HashMap<&'a str, Arc<Relief>>,
     images: HashMap<PathBuf, Arc<ColourImage>>,
 }
@@ -198,7 +221,7 @@ impl<'a> Loader<'a> {
         }
         for (index, needs) in needs {
             let (name, entry) = &self.file.maps[index];
-            let relief = load_map::load(self.file, entry, &needs, &self.options.limits)?;
+            let relief = load_map::load(self.file, (&name.value, entry), &needs, self.options)?;
             self.maps.insert(&name.value, relief);
         }
         Ok(())
