@@ -2,6 +2,11 @@
 //!
 //! The judge starts exactly on the surface with the root at t = 0 divided out. As everywhere, an
 //! answer may differ from the judge's only if a nudge of the direction turns the judge's into it.
+//!
+//! One more difference is allowed, counted and bounded: a method lifts the start along the
+//! displacement by 2^-18 of the largest height. A ray that dips less than that below the surface
+//! and comes out again touches it for the judge alone. Then the answer must be the judge's for the
+//! lifted start.
 
 use std::io::Write;
 
@@ -10,14 +15,17 @@ use rayon::prelude::*;
 use rilievo::map::{Lattice, Wrap};
 use rilievo::relief::{Method, ReliefFace};
 use rilievo::{Hit, Ray};
-use rilievo_tests::conformance::{Sides, difference};
+use rilievo_tests::conformance::{Sides, difference, excused};
 use rilievo_tests::kernel;
 use rilievo_tests::maps::Shape;
 use rilievo_tests::nudge::nudged;
-use rilievo_tests::oracle::{Oracle, Placement};
+use rilievo_tests::oracle::{Oracle, OracleHit, Placement, Start};
 use rilievo_tests::random::Random;
 use rilievo_tests::rays::Family;
 use rilievo_tests::scenes::{FAR, Scene, unit_face};
+
+/// A spawned ray, the method's answer and the judge's.
+type Example = (Ray, Option<Hit>, Option<OracleHit>);
 
 /// What became of the rays spawned from one hit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,11 +33,13 @@ struct Tally {
     rays: u64,
     again: u64,
     excused: u64,
+    /// Dips shallower than the lift.
+    dips: u64,
     /// Hits next to the start that the judge does not see.
     self_hits: u64,
     /// Other differences from the judge.
     wrong: u64,
-    example: Option<(Ray, Option<Hit>)>,
+    example: Option<Example>,
 }
 
 impl Tally {
@@ -38,11 +48,33 @@ impl Tally {
             rays: self.rays + other.rays,
             again: self.again + other.again,
             excused: self.excused + other.excused,
+            dips: self.dips + other.dips,
             self_hits: self.self_hits + other.self_hits,
             wrong: self.wrong + other.wrong,
             example: self.example.or(other.example),
         }
     }
+}
+
+/// Whether the judge, lifted as a method lifts its start, goes on to `answer`: to the miss, or to
+/// a crossing of the ray that is not lifted which lies where the lifted ray's is, but for the
+/// lift's own shift along a grazing surface.
+fn is_a_dip(oracle: &Oracle<'_>, ray: &Ray, start: &Start, answer: &Option<Hit>) -> bool {
+    let (low, high) = oracle.map().raw_range();
+    let raw = f64::from(low.abs().max(high.abs())) * 2.0f64.powi(-18);
+    let lift = raw * oracle.map().unit() * oracle.placement().scale.abs();
+    let side = if ray.from.is_some_and(|from| from.front) { lift } else { -lift };
+    let origin = oracle.start_point(start) + side * oracle.normal();
+    let lifted = Ray { origin, from: None, ..*ray };
+    if excused(oracle, &lifted, answer, Sides::Same) {
+        return true;
+    }
+    let (Some(hit), Some(next)) = (answer, oracle.closest(&lifted)) else {
+        return false;
+    };
+    let late = Ray { origin: ray.at(hit.t * 0.9999), from: None, ..*ray };
+    let crossed = difference(oracle, answer, &oracle.closest(&late), Sides::Same).is_none();
+    crossed && next.position.distance(hit.position) <= 1e-3 * oracle.size()
 }
 
 fn spawn_from(hit: &Hit, face: &ReliefFace, oracle: &Oracle<'_>, random: &mut Random) -> Tally {
@@ -64,12 +96,14 @@ fn spawn_from(hit: &Hit, face: &ReliefFace, oracle: &Oracle<'_>, random: &mut Ra
         let towards = answer.map(|hit| hit.position - oracle.start_point(&start));
         if nudged(direction, towards).any(same) {
             tally.excused += 1;
+        } else if is_a_dip(oracle, &ray, &start, &answer) {
+            tally.dips += 1;
         } else if answer.is_some_and(|hit| hit.t < 1e-4 * oracle.size()) {
             tally.self_hits += 1;
-            tally.example = Some((ray, answer));
+            tally.example = Some((ray, answer, judge));
         } else {
             tally.wrong += 1;
-            tally.example = Some((ray, answer));
+            tally.example = Some((ray, answer, judge));
         }
     }
     tally
@@ -94,6 +128,7 @@ fn scenes() -> Vec<Scene> {
 }
 
 fn reintersect(method: Method, hits: u64) {
+    let mut failures = Vec::new();
     for scene in scenes() {
         let (oracle, face) = (scene.oracle(), kernel::face(&scene, method));
         let total = (0..hits)
@@ -111,8 +146,11 @@ fn reintersect(method: Method, hits: u64) {
             })
             .reduce(Tally::default, Tally::merge);
         let _ = writeln!(std::io::stderr(), "{method} on {}: {total:?}", scene.name);
-        assert!(total.self_hits == 0 && total.wrong == 0, "{method} on {}: {total:?}", scene.name);
+        if total.self_hits + total.wrong > 0 || total.dips > total.rays / 10_000 {
+            failures.push(format!("{method} on {}: {total:?}", scene.name));
+        }
     }
+    assert!(failures.is_empty(), "{failures:#?}");
 }
 
 #[test]
