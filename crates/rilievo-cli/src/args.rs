@@ -1,0 +1,334 @@
+//! What was typed: flags, their help and the checks that need nothing but the flag itself.
+//!
+//! Whatever is refused here is a usage error, exit code 2, before any file is opened. What the
+//! words mean is found out by `job`.
+
+pub mod value;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use rilievo::map::{DistanceBits, DistanceKind, Lattice, NormalConvention, NormalKind, Wrap};
+use rilievo::relief::Method;
+use rilievo_render::{Aov, Integrator};
+
+use value::{PicturePath, PngPath};
+
+/// Ray-traces displacement-mapped surfaces without tessellating them.
+#[derive(Debug, Parser)]
+#[command(name = "rilievo", version, propagate_version = true, after_help = HELP)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to a picture.
+    #[command(after_help = RENDER)]
+    Render(RenderArgs),
+    /// Make a normal map, distance map or min-max pyramid from a height map.
+    #[command(after_help = BAKE)]
+    Bake(BakeArgs),
+    /// Say what a height map, a baked map or a scene is, and the memory a render of it needs.
+    #[command(after_help = INFO)]
+    Info(InfoArgs),
+    /// Validate a scene with all its files, or a baked map against its height map.
+    #[command(after_help = CHECK)]
+    Check(CheckArgs),
+    /// Compare two pictures.
+    #[command(after_help = DIFF)]
+    Diff(DiffArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file (TOML).
+    pub scene: PathBuf,
+    /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
+    #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]
+    pub output: PicturePath,
+    /// Camera rays per pixel [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = value::samples)]
+    pub samples: Option<u32>,
+    /// Pixels, as 640x400 [default: the scene's].
+    #[arg(long, value_name = "WxH", value_parser = value::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// What is estimated [default: the scene's].
+    #[arg(long, value_parser = value::integrator())]
+    pub integrator: Option<Integrator>,
+    /// How rays are walked through every relief [default: each shape's own]. Distance maps that a
+    /// method needs are built before rendering.
+    #[arg(long, value_parser = value::method())]
+    pub method: Option<Method>,
+    /// What does the work.
+    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
+    pub backend: Backend,
+    /// Threads; 0 takes one per processor. The picture does not depend on it.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Seed of every random choice [default: the scene's].
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Layers of the first hit to store beside the colour, parted by commas. Alone with the
+    /// integrator aov: all of them in an EXR; the first as the picture in a PNG.
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',', value_parser = value::aov())]
+    pub aov: Vec<Aov>,
+    /// One ray through the centre of each pixel: no jitter, no filter, whatever --samples says.
+    #[arg(long)]
+    pub pixel_centers: bool,
+    /// Refuse to render if more memory than this would be needed, as 512M or 2G.
+    #[arg(long, value_name = "BYTES", value_parser = value::bytes)]
+    pub max_memory: Option<u64>,
+    /// Stop rendering after this time, save what is done, exit with 4.
+    #[arg(long, value_name = "SECONDS", value_parser = value::seconds)]
+    pub time_limit: Option<Duration>,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    Cpu,
+    Gpu,
+}
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Talk {
+    /// Print one JSON object as the last line of standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no report on standard error; errors are still printed.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// How the samples of a height map file are meant.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct MapMeaning {
+    /// Where samples sit.
+    #[arg(long, default_value = "texel", value_parser = value::lattice())]
+    pub grid: Lattice,
+    /// What lies beyond the border.
+    #[arg(long, default_value = "repeat", value_parser = value::wrap())]
+    pub wrap: Wrap,
+    /// Black is high.
+    #[arg(long)]
+    pub invert: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BakeArgs {
+    #[command(subcommand)]
+    pub what: Bake,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Bake {
+    /// Unit normals in the metric of a face: a map file, or a PNG of 16-bit RGB.
+    #[command(after_help = BAKE_NORMAL)]
+    Normal(NormalArgs),
+    /// Distances to the surface in three dimensions.
+    #[command(after_help = BAKE_DISTANCE)]
+    Distance(DistanceArgs),
+    /// The min-max pyramid: bounds of the heights over blocks of cells.
+    #[command(after_help = BAKE_BOUNDS)]
+    Bounds(BoundsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct BakeFiles {
+    /// Height map: PNG, TIFF, JPEG, EXR or PFM.
+    pub map: PathBuf,
+    /// File to write.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub meaning: MapMeaning,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// The face that derived maps are made for.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct FaceSize {
+    /// Sides of one repetition of the map, scene units.
+    #[arg(long, value_name = "WxH", default_value = "1x1", value_parser = value::sides)]
+    pub face: [f64; 2],
+    /// Scene units between heights 0 and 1.
+    #[arg(long, value_name = "D", default_value = "1", value_parser = value::length)]
+    pub depth: f64,
+}
+
+#[derive(Debug, Args)]
+pub struct NormalArgs {
+    #[command(flatten)]
+    pub files: BakeFiles,
+    #[command(flatten)]
+    pub face: FaceSize,
+    /// How normals follow from heights.
+    #[arg(long, default_value = "smooth", value_parser = value::normal_kind())]
+    pub normals: NormalKind,
+    /// Where green grows in a PNG: up the image (opengl) or down (directx).
+    #[arg(long, default_value = "opengl", value_parser = value::convention())]
+    pub convention: NormalConvention,
+}
+
+#[derive(Debug, Args)]
+pub struct DistanceArgs {
+    #[command(flatten)]
+    pub files: BakeFiles,
+    #[command(flatten)]
+    pub face: FaceSize,
+    /// What is stored: the paper's distances to texel points (not safe), safe boxes in linear time,
+    /// or exact distances at nodes.
+    #[arg(long, default_value = "boxes", value_parser = value::distance_kind())]
+    pub kind: DistanceKind,
+    /// Voxels or nodes along x, y and z [default: as render builds it].
+    #[arg(long, value_name = "NX,NY,NZ", value_parser = value::size3)]
+    pub size: Option<[u32; 3]>,
+    /// Bits of a stored distance.
+    #[arg(long, default_value = "16", value_parser = value::bits())]
+    pub bits: DistanceBits,
+}
+
+#[derive(Debug, Args)]
+pub struct BoundsArgs {
+    #[command(flatten)]
+    pub files: BakeFiles,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Height map, baked map or scene.
+    pub file: PathBuf,
+    /// Pixels of the render whose memory is predicted [default: the scene's, or 512x512].
+    #[arg(long, value_name = "WxH", value_parser = value::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub meaning: MapMeaning,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Scene or baked map.
+    pub file: PathBuf,
+    /// The height map that the baked map was made from.
+    #[arg(long, value_name = "HEIGHTMAP")]
+    pub map: Option<PathBuf>,
+    /// The height map was read with black as high when the map was baked.
+    #[arg(long, requires = "map")]
+    pub invert: bool,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// First picture: EXR, PNG, TIFF, JPEG or PFM.
+    pub a: PathBuf,
+    /// Second picture, of the same size.
+    pub b: PathBuf,
+    /// Largest difference of a value that is allowed.
+    #[arg(long, value_name = "X", value_parser = value::threshold)]
+    pub max: Option<f64>,
+    /// Largest mean difference that is allowed.
+    #[arg(long, value_name = "X", value_parser = value::threshold)]
+    pub mean: Option<f64>,
+    /// Largest root mean square difference that is allowed.
+    #[arg(long, value_name = "X", value_parser = value::threshold)]
+    pub rmse: Option<f64>,
+    /// Most pixels that may differ.
+    #[arg(long, value_name = "N")]
+    pub pixels: Option<u64>,
+    /// Heat picture to write: the difference of each pixel, largest is bright.
+    #[arg(short, long, value_name = "HEAT.png", value_parser = PngPath::parser())]
+    pub output: Option<PngPath>,
+    /// Compare only this layer, as P or N; RGB is the colour [default: all channels].
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+const HELP: &str = "\
+Exit codes:
+  0    done
+  1    bad input, or a file could not be read or written
+  2    usage
+  3    comparison failed (diff, check)
+  4    stopped by a limit, what was done is written
+  130  interrupted (143: terminated), what was rendered is written
+
+Examples:
+  rilievo render scenes/relief/scene.toml -o relief.png
+  rilievo info heights.png
+  rilievo bake distance heights.png -o heights.dist
+  rilievo diff a.exr b.exr --max 1e-6";
+
+const RENDER: &str = "\
+The output appears under its name whole or not at all. The first Ctrl-C stops rendering and saves
+what is done; a second one kills.
+
+Examples:
+  rilievo render scene.toml -o out.png
+  rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
+  rilievo render scene.toml -o out.exr --aov P,N,Height
+  rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
+  rilievo render scene.toml -o steps.png --integrator aov --aov Steps --method distance
+  rilievo render scene.toml -o draft.png --time-limit 10 --json";
+
+const BAKE: &str = "\
+Every map is read back after writing and compared with what was meant.
+
+Examples:
+  rilievo bake normal heights.png -o normals.png --face 2x2 --depth 0.1
+  rilievo bake distance heights.png -o heights.dist --size 256,256,32
+  rilievo bake bounds heights.png -o heights.bounds";
+
+const BAKE_NORMAL: &str = "\
+Examples:
+  rilievo bake normal heights.png -o normals.png --face 2x2 --depth 0.1
+  rilievo bake normal heights.png -o normals.png --convention directx
+  rilievo bake normal heights.png -o heights.normals --normals published";
+
+const BAKE_DISTANCE: &str = "\
+Examples:
+  rilievo bake distance heights.png -o heights.dist
+  rilievo bake distance heights.png -o heights.dist --kind corrected --size 128,128,32 --bits 8
+  rilievo bake distance dem.tif -o dem.dist --grid vertex --wrap clamp --face 3000x3000 --depth 1";
+
+const BAKE_BOUNDS: &str = "\
+Examples:
+  rilievo bake bounds heights.png -o heights.bounds
+  rilievo bake bounds dem.tif -o dem.bounds --grid vertex --wrap clamp";
+
+const INFO: &str = "\
+The kind of file is told from its content.
+
+Examples:
+  rilievo info heights.png
+  rilievo info dem.tif --grid vertex --wrap clamp --resolution 1920x1080
+  rilievo info heights.dist
+  rilievo info scene.toml --json";
+
+const CHECK: &str = "\
+Exit code 3 says that a stored distance or bound is not safe, 1 that a file could not be read.
+
+Examples:
+  rilievo check scene.toml
+  rilievo check heights.dist --map heights.png
+  rilievo check dem.bounds --map dem.tif --json";
+
+const DIFF: &str = "\
+Without a threshold any difference fails, exit code 3. NaN equals NaN and differs from every
+number. A pixel with a number in one picture only fails unless --pixels allows it.
+
+Examples:
+  rilievo diff a.exr b.exr
+  rilievo diff a.png b.png --rmse 0.002 --pixels 20
+  rilievo diff a.exr b.exr --layer P -o heat.png --json";

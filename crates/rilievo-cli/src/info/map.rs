@@ -1,0 +1,162 @@
+//! A height map as `rilievo info` tells it.
+
+use rilievo::map::{HeightMap, HeightStatistics, Samples, Seam};
+use rilievo::relief::Relief;
+use rilievo_io::Limits;
+use rilievo_io::image::{HeightOptions, ImageInfo, SampleKind, read_image_info};
+use rilievo_render::{Film, MemoryUse};
+use serde::Serialize;
+
+use crate::args::InfoArgs;
+use crate::memory::predicted_bytes;
+use crate::outcome::Failure;
+use crate::picture::PictureKind;
+use crate::report;
+
+/// Pixels of the render whose memory is told, unless said otherwise.
+const RESOLUTION: [u32; 2] = [512, 512];
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Report {
+    kind: &'static str,
+    format: String,
+    width: u32,
+    height: u32,
+    channels: u32,
+    /// Bits a sample in memory: 16 for codes, 32 for numbers.
+    bits: u32,
+    /// Bits a code in the file, 32 for numbers of any width.
+    file_bits: u32,
+    /// Smallest and largest stored value.
+    raw_range: [f32; 2],
+    /// The same in heights.
+    range: [f64; 2],
+    /// Distinct values.
+    levels: u64,
+    /// Whether slopes will show steps.
+    terraces: bool,
+    seams: Seams,
+    tiles: bool,
+    resolution: [u32; 2],
+    map_bytes: u64,
+    bounds_bytes: u64,
+    predicted_bytes: u64,
+}
+
+#[derive(Serialize)]
+struct Seams {
+    u: SeamReport,
+    v: SeamReport,
+}
+
+#[derive(Serialize)]
+struct SeamReport {
+    largest: f64,
+    mean: f64,
+    inner_largest: f64,
+    inner_mean: f64,
+    tiles: bool,
+}
+
+impl From<Seam> for SeamReport {
+    fn from(seam: Seam) -> Self {
+        let Seam { largest, mean, inner_largest, inner_mean, .. } = seam;
+        Self { largest, mean, inner_largest, inner_mean, tiles: seam.tiles() }
+    }
+}
+
+pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let limits = Limits::default();
+    let info = read_image_info(&args.file, &limits)?;
+    let meaning = args.meaning;
+    let options =
+        HeightOptions { lattice: meaning.grid, wrap: meaning.wrap, invert: meaning.invert };
+    let heights = options.read(&args.file, &limits)?;
+    let report = Report::new(&info, heights, args.resolution.unwrap_or(RESOLUTION));
+    report.tell(args);
+    args.talk.object(&report)
+}
+
+impl Report {
+    fn new(info: &ImageInfo, heights: HeightMap, resolution: [u32; 2]) -> Self {
+        let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(&heights);
+        let (low, high) = heights.raw_range();
+        let unit = heights.unit();
+        let bits = match heights.samples() {
+            Samples::U16(_) => 16,
+            Samples::F32(_) => 32,
+        };
+        let relief = Relief::new(heights);
+        let (map_bytes, bounds_bytes) = relief.bytes();
+        let film = Film::predicted_bytes(resolution, &[]);
+        let memory =
+            MemoryUse { heights: map_bytes, bounds: bounds_bytes, film, ..MemoryUse::default() };
+        Self {
+            kind: "height map",
+            format: info.format.to_string(),
+            width: info.width,
+            height: info.height,
+            channels: info.channels,
+            bits,
+            file_bits: 8 * info.sample.bytes(),
+            raw_range: [low, high],
+            range: [f64::from(low) * unit, f64::from(high) * unit],
+            levels,
+            // Two levels are a shape of steps, and meant so.
+            terraces: levels > 2 && (levels <= 256 || info.sample == SampleKind::U8),
+            tiles: u.tiles() && v.tiles(),
+            seams: Seams { u: u.into(), v: v.into() },
+            resolution,
+            map_bytes,
+            bounds_bytes,
+            predicted_bytes: predicted_bytes(&memory, resolution, &PictureKind::Colour),
+        }
+    }
+
+    fn tell(&self, args: &InfoArgs) {
+        let talk = args.talk;
+        talk.line(format_args!(
+            "{}: height map, {}, {} x {} samples, {} bit, {}",
+            args.file.display(),
+            self.format,
+            self.width,
+            self.height,
+            self.file_bits,
+            if self.channels == 1 {
+                "1 channel".to_owned()
+            } else {
+                format!("{} channels", self.channels)
+            }
+        ));
+        let ([low, high], [raw_low, raw_high]) = (self.range, self.raw_range);
+        talk.line(format_args!(
+            "heights     {low:.6} to {high:.6} (stored {raw_low} to {raw_high}), {} distinct levels",
+            self.levels
+        ));
+        for (axis, seam) in [("u", &self.seams.u), ("v", &self.seams.v)] {
+            talk.line(format_args!(
+                "seam in {axis}   largest step {:.3e}, mean {:.3e} (inside {:.3e}): {}",
+                seam.largest,
+                seam.mean,
+                seam.inner_mean,
+                if seam.tiles { "tiles" } else { "does not tile" }
+            ));
+        }
+        let [width, height] = self.resolution;
+        talk.line(format_args!(
+            "memory      heights {}, bounds {}; a render of {width} x {height} needs about {}",
+            report::bytes(self.map_bytes),
+            report::bytes(self.bounds_bytes),
+            report::bytes(self.predicted_bytes)
+        ));
+        if self.terraces {
+            talk.line(format_args!(
+                "warning     {} levels are 8-bit steps: slopes will show terraces {:.4} of the \
+                 depth high",
+                self.levels,
+                (self.range[1] - self.range[0]) / (self.levels - 1) as f64
+            ));
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A scene as `rilievo info` tells it.
+
+use rilievo::relief::Relief;
+use rilievo::surface::Surface;
+use rilievo_io::Limits;
+use rilievo_io::scene::{LoadedMap, LoadedScene};
+use rilievo_render::{MemoryUse, RenderOptions, Scene};
+use serde::Serialize;
+
+use crate::args::InfoArgs;
+use crate::job;
+use crate::memory::predicted_bytes;
+use crate::outcome::Failure;
+use crate::picture::PictureKind;
+use crate::report;
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Report {
+    kind: &'static str,
+    integrator: String,
+    samples: u32,
+    resolution: [u32; 2],
+    reliefs: usize,
+    quads: usize,
+    spheres: usize,
+    meshes: usize,
+    triangles: usize,
+    lights: usize,
+    maps: Vec<MapReport>,
+    map_bytes: u64,
+    bounds_bytes: u64,
+    film_bytes: u64,
+    predicted_bytes: u64,
+}
+
+#[derive(Serialize)]
+struct MapReport {
+    name: String,
+    width: u32,
+    height: u32,
+    range: [f64; 2],
+    map_bytes: u64,
+    bounds_bytes: u64,
+}
+
+impl From<&LoadedMap> for MapReport {
+    fn from(map: &LoadedMap) -> Self {
+        let heights = Relief::heights(&map.relief);
+        let (map_bytes, bounds_bytes) = map.relief.bytes();
+        let (low, high) = heights.raw_range();
+        Self {
+            name: map.name.clone(),
+            width: heights.width(),
+            height: heights.height(),
+            range: [low, high].map(|raw| f64::from(raw) * heights.unit()),
+            map_bytes,
+            bounds_bytes,
+        }
+    }
+}
+
+pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let LoadedScene { mut scene, maps, .. } =
+        job::load(&args.file, None, Limits::default(), args.talk)?;
+    if let Some(resolution) = args.resolution {
+        let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
+        scene = scene.with_camera(camera);
+    }
+    let report = Report::new(&scene, &maps);
+    report.tell(args);
+    args.talk.object(&report)
+}
+
+impl Report {
+    fn new(scene: &Scene, maps: &[LoadedMap]) -> Self {
+        let memory = MemoryUse::predict(scene, &RenderOptions::default());
+        let resolution = scene.camera().resolution();
+        let mut report = Self {
+            kind: "scene",
+            integrator: scene.settings().integrator.to_string(),
+            samples: scene.settings().samples,
+            resolution,
+            reliefs: 0,
+            quads: 0,
+            spheres: 0,
+            meshes: 0,
+            triangles: 0,
+            lights: scene.lights().len(),
+            maps: maps.iter().map(MapReport::from).collect(),
+            map_bytes: memory.heights + memory.textures,
+            bounds_bytes: memory.bounds,
+            film_bytes: memory.film,
+            predicted_bytes: predicted_bytes(&memory, resolution, &PictureKind::Colour),
+        };
+        for surface in scene.world().surfaces() {
+            match surface {
+                Surface::Face(_) => report.reliefs += 1,
+                Surface::Quad(_) => report.quads += 1,
+                Surface::Sphere(_) => report.spheres += 1,
+                Surface::Mesh(mesh) => {
+                    report.meshes += 1;
+                    report.triangles += mesh.data().triangles.len();
+                }
+            }
+        }
+        report
+    }
+
+    fn tell(&self, args: &InfoArgs) {
+        let talk = args.talk;
+        let [width, height] = self.resolution;
+        talk.line(format_args!(
+            "{}: scene, {width} x {height} pixels, {} samples, integrator {}",
+            args.file.display(),
+            self.samples,
+            self.integrator
+        ));
+        talk.line(format_args!(
+            "surfaces    {} reliefs, {} quads, {} spheres, {} meshes with {} triangles; {} lights",
+            self.reliefs, self.quads, self.spheres, self.meshes, self.triangles, self.lights
+        ));
+        for map in &self.maps {
+            talk.line(format_args!(
+                "map         {:?}: {} x {} samples, heights {:.6} to {:.6}, {}, bounds {}",
+                map.name,
+                map.width,
+                map.height,
+                map.range[0],
+                map.range[1],
+                report::bytes(map.map_bytes),
+                report::bytes(map.bounds_bytes)
+            ));
+        }
+        talk.line(format_args!(
+            "memory      maps {}, bounds {}, image {}; a render needs about {}",
+            report::bytes(self.map_bytes),
+            report::bytes(self.bounds_bytes),
+            report::bytes(self.film_bytes),
+            report::bytes(self.predicted_bytes)
+        ));
+    }
+}

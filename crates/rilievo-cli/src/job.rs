@@ -1,0 +1,125 @@
+//! [`RenderJob`]: what the flags of a render mean: files opened, sizes known.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::time::Instant;
+
+use rilievo::map::DistanceKind;
+use rilievo::relief::Method;
+use rilievo_io::Limits;
+use rilievo_io::scene::{DistanceBuild, LoadOptions, LoadedScene, SceneFile};
+use rilievo_render::film::tonemap::ToneMap;
+use rilievo_render::{MemoryUse, RenderOptions, RenderSettings, Scene};
+
+use crate::args::{RenderArgs, Talk};
+use crate::memory::predicted_bytes;
+use crate::name;
+use crate::outcome::Failure;
+use crate::picture::PictureKind;
+use crate::progress::Progress;
+use crate::report;
+
+/// A render that can start.
+pub struct RenderJob {
+    pub scene: Scene,
+    pub kind: PictureKind,
+    pub tone_map: ToneMap,
+    pub memory: MemoryUse,
+    pub predicted_bytes: u64,
+    /// Camera rays per pixel.
+    pub samples: u32,
+    pub build_seconds: f64,
+    threads: usize,
+    pixel_centers: bool,
+}
+
+impl RenderJob {
+    /// Reads the scene and builds what its methods need.
+    pub fn open(args: &RenderArgs) -> Result<Self, Failure> {
+        let start = Instant::now();
+        let limits = args.max_memory.map_or_else(Limits::default, |max_bytes| Limits { max_bytes });
+        let loaded = load(&args.scene, args.method, limits, args.talk)?;
+        let LoadedScene { scene, tone_map, .. } = loaded;
+        let mut settings = *scene.settings();
+        settings = RenderSettings {
+            integrator: args.integrator.unwrap_or(settings.integrator),
+            samples: args.samples.unwrap_or(settings.samples),
+            seed: args.seed.unwrap_or(settings.seed),
+            ..settings
+        };
+        let mut scene = scene.with_settings(settings).map_err(Failure::refused)?;
+        if let Some(resolution) = args.resolution {
+            let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
+            scene = scene.with_camera(camera);
+        }
+        let kind = PictureKind::new(args.output.format, settings.integrator, &args.aov)
+            .map_err(|why| Failure::Usage(why.to_owned()))?;
+        let mut job = Self {
+            kind,
+            tone_map,
+            memory: MemoryUse::default(),
+            predicted_bytes: 0,
+            samples: if args.pixel_centers { 1 } else { settings.samples },
+            build_seconds: start.elapsed().as_secs_f64(),
+            threads: args.threads,
+            pixel_centers: args.pixel_centers,
+            scene,
+        };
+        job.memory = MemoryUse::predict(&job.scene, &job.options());
+        let resolution = job.scene.camera().resolution();
+        job.predicted_bytes = predicted_bytes(&job.memory, resolution, &job.kind);
+        match args.max_memory {
+            Some(most) if job.predicted_bytes > most => Err(Failure::Refused(format!(
+                "this render needs about {}; --max-memory allows {}",
+                report::bytes(job.predicted_bytes),
+                report::bytes(most)
+            ))),
+            _ => Ok(job),
+        }
+    }
+
+    /// How to render, but for progress and stopping.
+    pub fn options(&self) -> RenderOptions<'_> {
+        RenderOptions {
+            threads: self.threads,
+            pixel_centers: self.pixel_centers,
+            aovs: self.kind.layers(),
+            ..RenderOptions::default()
+        }
+    }
+}
+
+/// Reads a scene with all its files and builds the distance maps its methods need.
+///
+/// # Errors
+/// Of the scene or any of its files.
+pub fn load(
+    path: &Path,
+    method: Option<Method>,
+    limits: Limits,
+    talk: Talk,
+) -> Result<LoadedScene, Failure> {
+    let file = SceneFile::read(path, &limits)?;
+    let built = RefCell::new(None::<Progress>);
+    let building = |build: &DistanceBuild<'_>| {
+        let previous = built.replace(Some(tell_build(build, talk)));
+        previous.map(Progress::finish);
+    };
+    let loaded = file.load(&LoadOptions { limits, method, building: &building });
+    built.take().map(Progress::finish);
+    Ok(loaded?)
+}
+
+/// Says which distance map is being built, and what to expect of it.
+fn tell_build(build: &DistanceBuild<'_>, talk: Talk) -> Progress {
+    let [x, y, z] = build.size;
+    let kind = name::distance_kind(build.kind);
+    if build.kind == DistanceKind::Published && (x <= build.cells[0] || y <= build.cells[1]) {
+        talk.line(format_args!(
+            "note: map {:?} has {} x {} samples; the published brute force is given {x} x {y} nodes",
+            build.map, build.cells[0], build.cells[1]
+        ));
+    }
+    let what = format!("building the {kind} distance map of {:?}, {x} x {y} x {z}", build.map);
+    Progress::uncounted(talk.quiet, &what)
+}

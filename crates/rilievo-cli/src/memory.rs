@@ -1,0 +1,23 @@
+//! Memory: what a render will need, and what this process has needed so far.
+
+use rilievo_render::MemoryUse;
+
+use crate::picture::PictureKind;
+
+/// Resident before any file is read: code, allocator, terminal and threads' own pages.
+const PROCESS_BYTES: u64 = 8 << 20;
+
+/// Bytes that a render will need at its peak: what `render` says, the picture being written, the
+/// process.
+pub fn predicted_bytes(render: &MemoryUse, resolution: [u32; 2], picture: &PictureKind) -> u64 {
+    let pixels = u64::from(resolution[0]) * u64::from(resolution[1]);
+    render.total() + pixels * picture.bytes_per_pixel() + PROCESS_BYTES
+}
+
+/// Largest resident size of this process so far. None where the system does not tell.
+pub fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}

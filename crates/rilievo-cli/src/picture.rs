@@ -1,0 +1,163 @@
+//! [`PictureKind`]: what of a film goes into the file, and how.
+
+use rilievo_io::image::{Attribute, Picture, write_png_rgb8};
+use rilievo_io::{Error, Result};
+use rilievo_render::film::tonemap::ToneMap;
+use rilievo_render::film::view::false_colour;
+use rilievo_render::{Aov, Film, Integrator, RenderSettings};
+
+use crate::args::value::{PictureFormat, PicturePath};
+
+/// What a picture shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PictureKind {
+    /// EXR: colour, perhaps, and layers.
+    Channels {
+        /// Whether R, G and B are stored.
+        colour: bool,
+        /// The layers.
+        layers: Vec<Aov>,
+    },
+    /// PNG: the colour.
+    Colour,
+    /// PNG: a layer in false colours.
+    Layer(Aov),
+}
+
+impl PictureKind {
+    /// What `rilievo render` stores.
+    ///
+    /// # Errors
+    /// Says why the flags do not fit together.
+    pub fn new(
+        format: PictureFormat,
+        integrator: Integrator,
+        asked: &[Aov],
+    ) -> std::result::Result<Self, &'static str> {
+        let all = || Aov::ALL.to_vec();
+        match (format, integrator, asked) {
+            (PictureFormat::Exr, Integrator::Aov, []) => {
+                Ok(Self::Channels { colour: false, layers: all() })
+            }
+            (PictureFormat::Exr, integrator, layers) => Ok(Self::Channels {
+                colour: integrator != Integrator::Aov,
+                layers: layers.to_vec(),
+            }),
+            (PictureFormat::Png, _, []) => Ok(Self::Colour),
+            (PictureFormat::Png, Integrator::Aov, [first, ..]) => Ok(Self::Layer(*first)),
+            (PictureFormat::Png, ..) => Err(
+                "a PNG holds no layers beside the colour; write an EXR, or take --integrator aov",
+            ),
+        }
+    }
+
+    /// The layers to render.
+    pub fn layers(&self) -> &[Aov] {
+        match self {
+            Self::Channels { layers, .. } => layers,
+            Self::Colour => &[],
+            Self::Layer(aov) => std::slice::from_ref(aov),
+        }
+    }
+
+    /// Bytes a pixel that writing takes, at most: the codes or the compressed channels.
+    pub fn bytes_per_pixel(&self) -> u64 {
+        match self {
+            Self::Channels { colour, layers } => {
+                let channels: usize = layers.iter().map(|aov| aov.channels().len()).sum();
+                4 * (channels as u64 + if *colour { 3 } else { 0 })
+            }
+            // The codes, their filtered copy and the compressed bytes.
+            Self::Colour | Self::Layer(_) => 9,
+        }
+    }
+}
+
+/// A film that is to be stored.
+pub struct Finished<'a> {
+    pub film: &'a Film,
+    pub kind: &'a PictureKind,
+    /// How a PNG shows the colour.
+    pub tone_map: ToneMap,
+    pub settings: &'a RenderSettings,
+    /// Camera rays per pixel.
+    pub samples: u32,
+}
+
+impl Finished<'_> {
+    /// Writes the picture, whole or not at all.
+    ///
+    /// # Errors
+    /// Of the file.
+    pub fn write(&self, output: &PicturePath) -> Result<()> {
+        let (film, path) = (self.film, &output.path);
+        match self.kind {
+            PictureKind::Colour => {
+                write_png_rgb8(path, film.resolution(), &self.tone_map.image8(film))
+            }
+            PictureKind::Layer(aov) => {
+                let pixels = film.layer(*aov).map(false_colour).unwrap_or_default();
+                write_png_rgb8(path, film.resolution(), &pixels)
+            }
+            PictureKind::Channels { colour, .. } => self.write_channels(path, *colour),
+        }
+    }
+
+    fn write_channels(
+        &self,
+        path: &std::path::Path,
+        colour: bool,
+    ) -> std::result::Result<(), Error> {
+        let [width, height] = self.film.resolution();
+        let attributes = self.attributes();
+        let mut picture = Picture { width, height, channels: Vec::new(), attributes };
+        if colour {
+            picture.push_interleaved(&["R", "G", "B"], self.film.radiance().as_flattened());
+        }
+        for layer in self.film.layers() {
+            picture.push_interleaved(layer.aov().channels(), layer.values());
+        }
+        picture.write_exr(path)
+    }
+
+    /// What the file says about itself: the same for the same picture, so neither time nor threads.
+    fn attributes(&self) -> Vec<(String, Attribute)> {
+        let text = |name: &str, value: String| (name.to_owned(), Attribute::Text(value));
+        let integer = |name: &str, value: u32| {
+            let value = i32::try_from(value).unwrap_or(i32::MAX);
+            (name.to_owned(), Attribute::Integer(value))
+        };
+        let settings = self.settings;
+        vec![
+            text("software", format!("rilievo {}", env!("CARGO_PKG_VERSION"))),
+            integer("samplesPerPixel", self.samples),
+            text("rilievo/integrator", settings.integrator.to_string()),
+            integer("rilievo/shadowSamples", settings.shadow_samples),
+            integer("rilievo/glossySamples", settings.glossy_samples),
+            integer("rilievo/maxDepth", settings.max_depth),
+            text("rilievo/seed", settings.seed.to_string()),
+            integer("rilievo/complete", u32::from(self.film.is_complete())),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_choose_what_is_stored() {
+        use {Integrator::Aov as First, Integrator::Distributed, PictureFormat::*};
+        let channels =
+            |colour, layers: &[Aov]| Ok(PictureKind::Channels { colour, layers: layers.to_vec() });
+        let new = PictureKind::new;
+        assert_eq!(new(Exr, Distributed, &[]), channels(true, &[]));
+        assert_eq!(new(Exr, Distributed, &[Aov::P]), channels(true, &[Aov::P]));
+        assert_eq!(new(Exr, First, &[Aov::P]), channels(false, &[Aov::P]));
+        assert_eq!(new(Exr, First, &[]), channels(false, &Aov::ALL));
+        assert_eq!(new(Png, Distributed, &[]), Ok(PictureKind::Colour));
+        assert_eq!(new(Png, First, &[]), Ok(PictureKind::Colour));
+        assert_eq!(new(Png, First, &[Aov::Steps, Aov::P]), Ok(PictureKind::Layer(Aov::Steps)));
+        assert!(new(Png, Distributed, &[Aov::P]).is_err());
+    }
+}

@@ -1,0 +1,161 @@
+//! `rilievo render`: a scene to a picture.
+
+use std::time::Instant;
+
+use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats};
+use serde::Serialize;
+
+use crate::args::{Backend, RenderArgs};
+use crate::interrupt::Interrupt;
+use crate::job::RenderJob;
+use crate::memory::peak_rss_bytes;
+use crate::outcome::{Failure, Outcome};
+use crate::picture::Finished;
+use crate::progress::Progress;
+use crate::report;
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Report {
+    /// Reading the scene and its files, building what its methods need.
+    build_seconds: f64,
+    render_seconds: f64,
+    rays: Rays,
+    /// Height maps and colour images.
+    map_bytes: u64,
+    /// What was derived from height maps to trace or shade them.
+    bounds_bytes: u64,
+    /// Peak memory as `rilievo info` predicts it.
+    predicted_bytes: u64,
+    /// Peak memory of the process; null where the system does not tell.
+    peak_rss_bytes: Option<u64>,
+    width: u32,
+    height: u32,
+    samples: u32,
+    /// Share of the pixels that are finished.
+    finished: f64,
+    complete: bool,
+    output: String,
+}
+
+/// Rays traced, by kind.
+#[derive(Serialize)]
+struct Rays {
+    camera: u64,
+    shadow: u64,
+    reflection: u64,
+    total: u64,
+}
+
+impl From<RayCounts> for Rays {
+    fn from(rays: RayCounts) -> Self {
+        let RayCounts { camera, shadow, reflection } = rays;
+        Self { camera, shadow, reflection, total: rays.total() }
+    }
+}
+
+pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
+    if args.backend == Backend::Gpu {
+        let why = "this build has no GPU backend; take --backend cpu";
+        return Err(Failure::Refused(why.to_owned()));
+    }
+    let interrupt = Interrupt::install().map_err(Failure::Signals)?;
+    let job = RenderJob::open(args)?;
+    let start = Instant::now();
+    let (film, stats, limited) = render(args, &job, &interrupt)?;
+    let render_seconds = start.elapsed().as_secs_f64();
+    let share = share_finished(&film);
+    let output = &args.output;
+    // A picture without a single pixel is worth less than the one that is there.
+    let kept = share == 0.0 && output.path.exists();
+    if !kept {
+        let finished = Finished {
+            film: &film,
+            kind: &job.kind,
+            tone_map: job.tone_map,
+            settings: job.scene.settings(),
+            samples: job.samples,
+        };
+        finished.write(output)?;
+    }
+    let [width, height] = film.resolution();
+    let report = Report {
+        build_seconds: job.build_seconds,
+        render_seconds,
+        rays: stats.rays.into(),
+        map_bytes: job.memory.heights + job.memory.textures,
+        bounds_bytes: job.memory.bounds,
+        predicted_bytes: job.predicted_bytes,
+        peak_rss_bytes: peak_rss_bytes(),
+        width,
+        height,
+        samples: job.samples,
+        finished: share,
+        complete: stats.complete,
+        output: output.path.display().to_string(),
+    };
+    report.tell(args, kept);
+    args.talk.object(&report)?;
+    Ok(match interrupt.signal() {
+        _ if stats.complete => Outcome::Done,
+        Some(signal) => Outcome::Interrupted(signal),
+        None if limited => Outcome::Limited,
+        None => Outcome::Done,
+    })
+}
+
+/// Renders until done, stopped or out of time; says whether the time was up.
+fn render(
+    args: &RenderArgs,
+    job: &RenderJob,
+    interrupt: &Interrupt,
+) -> Result<(Film, RenderStats, bool), Failure> {
+    let [width, height] = job.scene.camera().resolution().map(u64::from);
+    let progress = Progress::counted(args.talk.quiet, "rendering", width * height);
+    let tell = |done, total| progress.update(done, total);
+    let options = RenderOptions { progress: &tell, cancel: interrupt.flag(), ..job.options() };
+    let work = || rilievo_render::render(&job.scene, &options);
+    let (result, limited) = interrupt.limited(args.time_limit, work);
+    progress.finish();
+    let (film, stats) = result.map_err(Failure::refused)?;
+    Ok((film, stats, limited))
+}
+
+fn share_finished(film: &Film) -> f64 {
+    let done = film.finished().iter().filter(|&&done| done).count();
+    done as f64 / film.finished().len() as f64
+}
+
+impl Report {
+    fn tell(&self, args: &RenderArgs, kept: bool) {
+        let talk = args.talk;
+        let traced = self.rays.total as f64;
+        talk.line(format_args!(
+            "{} x {} pixels, {} samples, {} rays in {} ({} rays a second), built in {}",
+            self.width,
+            self.height,
+            self.samples,
+            report::count(self.rays.total),
+            report::duration(self.render_seconds),
+            report::count((traced / self.render_seconds.max(1e-9)) as u64),
+            report::duration(self.build_seconds)
+        ));
+        let peak = self.peak_rss_bytes.map_or("unknown".to_owned(), report::bytes);
+        talk.line(format_args!(
+            "memory: maps {}, bounds {}, predicted {}, peak {peak}",
+            report::bytes(self.map_bytes),
+            report::bytes(self.bounds_bytes),
+            report::bytes(self.predicted_bytes)
+        ));
+        let percent = 100.0 * self.finished;
+        match (self.complete, kept) {
+            (true, _) => talk.line(format_args!("wrote {}", self.output)),
+            (false, false) => {
+                talk.line(format_args!("stopped; wrote {percent:.1} % to {}", self.output));
+            }
+            (false, true) => {
+                talk.line(format_args!("stopped before any pixel; {} is unchanged", self.output));
+            }
+        }
+    }
+}
