@@ -88,7 +88,7 @@ pub struct SlabRay {
     inverse: DVec3,
 }
 
-/// [Ize2013, robust slabs].
+/// \[Ize2013, robust slabs\].
 const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
 impl SlabRay {

@@ -1,4 +1,4 @@
-//! Building a [`Bvh`]: surface area heuristic [Wald2007, binned], top down.
+//! Building a [`Bvh`]: surface area heuristic \[Wald2007, binned\], top down.
 //!
 //! Each range of items is cut on the axis and at the bin border where the expected cost of a ray
 //! is least. Where areas are not finite or centres coincide the range is halved by count instead,

@@ -3,7 +3,7 @@
 //! [`Bvh`] knows boxes and rays, not shapes: what happens at a box is a closure. It serves the
 //! triangles of a mesh and the surfaces of a world alike.
 //!
-//! * `build`: surface area heuristic [Wald2007, binned], in parallel. Every decision depends on the
+//! * `build`: surface area heuristic \[Wald2007, binned\], in parallel. Every decision depends on the
 //!   boxes and their order alone, so the tree is the same for any number of threads.
 //! * `traverse`: front to back, for the closest or for any hit.
 //! * `validate`: the check that a tree is well formed.

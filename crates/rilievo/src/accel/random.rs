@@ -1,4 +1,4 @@
-//! Reproducible random numbers for tests [Steele2014, SplitMix64].
+//! Reproducible random numbers for tests \[Steele2014, SplitMix64\].
 
 use glam::DVec3;
 

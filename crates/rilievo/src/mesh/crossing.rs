@@ -1,4 +1,4 @@
-//! The watertight ray/triangle test [Woop2013, sheared edges], in `f64`.
+//! The watertight ray/triangle test \[Woop2013, sheared edges\], in `f64`.
 //!
 //! Vertices are sheared so that the ray becomes an axis; three edge functions then say on which
 //! side of each edge that axis passes. A vertex is sheared to the same numbers in every triangle
