@@ -1,6 +1,6 @@
 //! [`Sphere`].
 //!
-//! The quadratic is solved as in [Haines2019, chapter 7]: the discriminant comes from the distance
+//! The quadratic is solved as in \[Haines2019, chapter 7\]: the discriminant comes from the distance
 //! between the centre and the ray, which does not cancel for far or tiny spheres, and the roots
 //! from the product and the sum that do not cancel either. A ray that starts on the sphere knows
 //! one root, `t = 0`; the other is `-2 (o - c) . d / (d . d)`, no epsilon needed.
