@@ -1,0 +1,206 @@
+//! Scene files: known values, and every bad scene gives the error on its first line.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use rilievo::glam::{DVec2, DVec3};
+use rilievo::map::{DistanceKind, Lattice, Samples, Wrap};
+use rilievo::relief::{Method, ShadingNormals};
+use rilievo::surface::Surface;
+use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
+use rilievo_io::{Error, Limits, Place};
+use rilievo_render::film::tonemap::ToneCurve;
+use rilievo_render::{Filter, Integrator, Material, Reflectance, RenderSettings};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn scenes(folder: &str) -> Vec<PathBuf> {
+    let folder = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let mut all: Vec<_> = folder.filter(|p| p.extension().is_some_and(|e| e == "toml")).collect();
+    all.sort();
+    all
+}
+
+fn load(path: &Path) -> Result<LoadedScene, Error> {
+    SceneFile::read(path, &Limits::default())?.load(&LoadOptions::default())
+}
+
+#[test]
+fn bad_scenes_give_the_error_on_their_first_line() {
+    let all = scenes("tests/scenes/invalid");
+    assert!(all.len() >= 40);
+    for path in all {
+        let text = fs::read_to_string(&path).unwrap();
+        let first = text.lines().next().unwrap();
+        let want = first.strip_prefix("# error: ").unwrap_or_else(|| panic!("{path:?}: {first}"));
+        let error = load(&path).err().unwrap_or_else(|| panic!("{path:?} was loaded"));
+        let message = error.to_string();
+        assert!(message.contains(want), "{path:?}:\n{message}");
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(message.contains(&name), "{path:?}:\n{message}");
+        let place = match &error {
+            Error::Invalid(fault) | Error::Unsupported(fault) => &fault.place,
+            Error::Reference { fault, .. } => &fault.place,
+            Error::Limit { place, .. } => place,
+            Error::Io { .. } => panic!("{message}"),
+        };
+        assert!(matches!(place, Place::Text(_)), "{path:?}: {place:?}");
+    }
+}
+
+#[test]
+fn the_gallery_is_loaded() {
+    let folders = fs::read_dir(root().join("scenes")).unwrap();
+    let gallery = folders.map(|entry| entry.unwrap().path().join("scene.toml"));
+    let gallery: Vec<_> = gallery.filter(|path| path.exists()).collect();
+    assert!(!gallery.is_empty());
+    for path in gallery {
+        let file = SceneFile::read(&path, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert!(file.references().iter().all(|p| p.exists()), "{path:?}");
+        // The largest map of the gallery needs no distance map, so this is quick.
+        let loaded = file.load(&LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!loaded.scene.world().surfaces().is_empty());
+    }
+}
+
+#[test]
+fn every_key_arrives() {
+    let loaded = load(&root().join("tests/scenes/valid/everything.toml")).unwrap();
+    let scene = &loaded.scene;
+    let camera = scene.camera().parts();
+    assert_eq!(camera.position, DVec3::new(0.5, -1.4, 1.3));
+    assert_eq!((camera.up, camera.fov, camera.resolution), (DVec3::new(0.0, 0.1, 1.0), 35.0, [24, 16]));
+    let want = RenderSettings {
+        integrator: Integrator::Aov,
+        samples: 2,
+        shadow_samples: 2,
+        glossy_samples: 3,
+        max_depth: 1,
+        seed: i64::MAX as u64,
+        filter: Filter::Tent,
+    };
+    assert_eq!(*scene.settings(), want);
+    assert_eq!(scene.background(), DVec3::new(0.1, 0.2, 0.3));
+    assert_eq!(scene.ambient(), DVec3::splat(0.01));
+    assert_eq!((loaded.tone_map.exposure, loaded.tone_map.curve), (-1.5, ToneCurve::Filmic));
+
+    // Only maps that shapes use are there.
+    let names: Vec<_> = loaded.maps.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["file", "noise"]);
+    let relief = &loaded.maps[0].relief;
+    assert_eq!(relief.distance(DistanceKind::Boxes).unwrap().size(), [8, 8, 4]);
+    assert!(relief.distance(DistanceKind::Corrected).is_none());
+    let heights = relief.heights();
+    assert_eq!((heights.x().lattice(), heights.x().wrap()), (Lattice::Vertex, Wrap::Mirror));
+    assert_eq!(heights.raw(0, 31), 65535.0, "the file's top left sample is 0, inverted");
+    let noise = loaded.maps[1].relief.heights();
+    assert!(matches!(noise.samples(), Samples::F32(_)));
+    assert_eq!((noise.width(), noise.height()), (9, 7));
+
+    let surfaces = scene.world().surfaces();
+    let [Surface::Face(first), Surface::Face(second), Surface::Quad(third), Surface::Sphere(ball), Surface::Mesh(mesh)] =
+        surfaces
+    else {
+        panic!("{surfaces:?}");
+    };
+    let options = first.options();
+    assert_eq!((options.method, options.closed, options.one_sided), (Method::Distance, true, true));
+    let d = options.displacement;
+    assert_eq!((d.scale, d.zero, d.tile, d.shift), (0.08, 0.5, [2.0, 2.0], [0.25, 0.0]));
+    assert!(matches!(options.normals, ShadingNormals::Exact));
+    assert_eq!((second.options().method, second.options().closed), (Method::Dda, false));
+    assert!(matches!(second.options().normals, ShadingNormals::Map(_)));
+    assert!(!third.is_parallelogram());
+    assert_eq!((ball.center(), ball.radius()), (DVec3::Z, 0.5));
+    // Scaled by 2, turned 90 degrees about x, then about z, then moved.
+    let [a, b, c] = mesh.corners(0);
+    let near = |p: DVec3, q: DVec3| (p - q).length() < 1e-12;
+    assert!(near(a, DVec3::new(1.0, 2.0, 3.0)));
+    assert!(near(b, DVec3::new(1.0, 4.0, 3.0)), "{b}");
+    assert!(near(c, DVec3::new(1.0, 2.0, 5.0)), "{c}");
+
+    let Reflectance::Textured(painted) = &scene.material(0).diffuse else { panic!() };
+    let Reflectance::Textured(papered) = &scene.material(1).diffuse else { panic!() };
+    assert_eq!((papered.tile, papered.shift), (DVec2::new(2.0, 3.0), DVec2::new(0.5, 0.0)));
+    assert!(std::sync::Arc::ptr_eq(&painted.image, &papered.image), "one file, one image");
+    assert_eq!(*scene.material(2), Material::default());
+    let plain = scene.material(3);
+    assert_eq!((plain.roughness, plain.emitted), (0.2, DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(plain, scene.material(4));
+}
+
+#[test]
+fn what_is_not_said_has_the_documented_default() {
+    let loaded = load(&root().join("tests/scenes/valid/least.toml")).unwrap();
+    assert_eq!(*loaded.scene.settings(), RenderSettings::default());
+    let camera = loaded.scene.camera().parts();
+    assert_eq!((camera.fov, camera.resolution), (40.0, [512, 512]));
+    assert_eq!((loaded.scene.background(), loaded.scene.ambient()), (DVec3::ZERO, DVec3::ZERO));
+    assert!(loaded.maps.is_empty() && loaded.scene.world().surfaces().is_empty());
+
+    let text = "[camera]\nposition = [0, 0, 2]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\n\
+        [maps.f]\nfile = \"../../data/png/valid/basn0g08.png\"\n[maps.p]\nprocedural = \"tent\"\n\
+        [[shapes]]\ntype = \"quad\"\ncorners = [[0,0,0],[1,0,0],[1,1,0],[0,1,0]]\ndisplacement = { map = \"f\" }\n\
+        [[shapes]]\ntype = \"quad\"\ncorners = [[2,0,0],[3,0,0],[3,1,0],[2,1,0]]\ndisplacement = { map = \"p\" }\n";
+    let path = root().join("tests/scenes/valid/inline.toml");
+    let loaded = SceneFile::parse(text, &path).unwrap().load(&LoadOptions::default()).unwrap();
+    let axis = |map: usize| *loaded.maps[map].relief.heights().x();
+    assert_eq!((axis(0).lattice(), axis(0).wrap()), (Lattice::Texel, Wrap::Repeat));
+    assert_eq!((axis(1).lattice(), axis(1).wrap()), (Lattice::Vertex, Wrap::Repeat));
+    assert_eq!(axis(1).samples(), 256);
+    let Surface::Face(face) = &loaded.scene.world().surfaces()[0] else { panic!() };
+    assert_eq!(face.options().displacement, rilievo::relief::Displacement::default());
+    assert_eq!(face.options().method, Method::Pyramid);
+    assert!(matches!(face.options().normals, ShadingNormals::Smooth));
+}
+
+#[test]
+fn a_method_of_the_caller_wins_and_brings_its_distance_map() {
+    let path = root().join("tests/scenes/valid/everything.toml");
+    let file = SceneFile::read(&path, &Limits::default()).unwrap();
+    for (method, kind) in [
+        (Method::DistanceCorrected, DistanceKind::Corrected),
+        (Method::DistancePublished, DistanceKind::Published),
+    ] {
+        let options = LoadOptions { method: Some(method), ..LoadOptions::default() };
+        let loaded = file.load(&options).unwrap();
+        assert!(loaded.maps.iter().all(|m| m.relief.distance(kind).is_some()));
+        let Surface::Face(face) = &loaded.scene.world().surfaces()[0] else { panic!() };
+        assert_eq!(face.options().method, method);
+    }
+}
+
+#[test]
+fn files_that_are_no_scene_are_errors() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.toml");
+    let read = || SceneFile::read(&path, &Limits { max_bytes: 1000 }).unwrap_err();
+    assert!(matches!(read(), Error::Io { .. }));
+    fs::write(&path, b"[camera]\n# \xff\n").unwrap();
+    assert!(read().to_string().contains("line 2 that is not UTF-8"));
+    fs::write(&path, vec![b'#'; 1001]).unwrap();
+    assert!(matches!(read(), Error::Limit { .. }));
+    let deep = format!("a = {}1{}\n", "[".repeat(100_000), "]".repeat(100_000));
+    assert!(SceneFile::parse(&deep, &path).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_text_never_panics(cuts in prop::collection::vec((any::<u16>(), any::<char>()), 1..6)) {
+        let text = include_str!("../../../tests/scenes/valid/everything.toml");
+        let mut letters: Vec<char> = text.chars().collect();
+        for (at, letter) in cuts {
+            let at = usize::from(at) % letters.len();
+            letters[at] = letter;
+        }
+        let text: String = letters.into_iter().collect();
+        if let Err(error) = SceneFile::parse(&text, Path::new("a.toml")) {
+            prop_assert!(error.to_string().starts_with("a.toml:"));
+        }
+    }
+}
