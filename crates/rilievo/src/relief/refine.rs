@@ -13,7 +13,7 @@
 
 use crate::map::HeightMap;
 
-use super::map_ray::ExactRay;
+use super::map_ray::{ExactRay, Window};
 
 /// A refined crossing.
 #[derive(Clone, Copy, Debug)]
@@ -36,30 +36,26 @@ pub(crate) fn crosses(
     ray: &ExactRay,
     heights: &HeightMap,
     cell: [i32; 2],
-    s0: f64,
-    from_above: bool,
+    (s0, from_above): (f64, bool),
 ) -> bool {
-    let slope = Patch::new(heights, cell).root_near(ray, s0).root.slope;
+    let slope = Patch::new(heights, &Window::ALL, cell).root_near(ray, s0).root.slope;
     slope == 0.0 || (slope < 0.0) == from_above
 }
 
-/// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to. Cells
-/// outside `first..end` are no neighbours.
+/// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to, never
+/// outside of the window.
 pub(crate) fn refine(
     ray: &ExactRay,
     heights: &HeightMap,
+    window: &Window,
     cell: [i32; 2],
     s0: f64,
-    [first, end]: [[i32; 2]; 2],
 ) -> Root {
-    let home = Patch::new(heights, cell).root_near(ray, s0);
+    let home = Patch::new(heights, window, cell).root_near(ray, s0);
     let mut next = home;
     for _ in 0..2 {
         let Some(beyond) = next.beyond else { return next.root };
-        if (0..2).any(|k| beyond[k] < first[k] || beyond[k] >= end[k]) {
-            break;
-        }
-        next = Patch::new(heights, beyond).root_near(ray, next.root.s);
+        next = Patch::new(heights, window, beyond).root_near(ray, next.root.s);
     }
     if next.beyond.is_none() { next.root } else { home.root }
 }
@@ -69,6 +65,10 @@ struct Patch {
     cell: [i32; 2],
     /// Corners h00, h10, h01, h11.
     h: [f64; 4],
+    /// Lowest and highest local coordinate inside the window.
+    limits: [[f64; 2]; 2],
+    /// Whether the window goes on beyond the cell's low and high border.
+    goes_on: [[bool; 2]; 2],
 }
 
 /// The root of a patch, moved to the cell's border if it lies outside, and the cell across that
@@ -80,8 +80,23 @@ struct Candidate {
 }
 
 impl Patch {
-    fn new(heights: &HeightMap, cell: [i32; 2]) -> Self {
-        Self { cell, h: heights.unfolded_corners(cell[0], cell[1]).map(f64::from) }
+    fn new(heights: &HeightMap, window: &Window, cell: [i32; 2]) -> Self {
+        let limits = [0, 1].map(|k| {
+            let start = f64::from(cell[k]);
+            [(window.lo[k] - start).max(0.0), (window.hi[k] - start).min(1.0)]
+        });
+        let goes_on = [0, 1].map(|k| {
+            let start = f64::from(cell[k]);
+            [window.lo[k] < start, window.hi[k] > start + 1.0]
+        });
+        let h = heights.unfolded_corners(cell[0], cell[1]).map(f64::from);
+        Self { cell, h, limits, goes_on }
+    }
+
+    /// Keeps a local coordinate inside cell and window. (Not `clamp`: a cell that only touches the
+    /// window has limits that cross by a rounding.)
+    fn inside(&self, k: usize, local: f64) -> f64 {
+        local.min(self.limits[k][1]).max(self.limits[k][0])
     }
 
     fn height(&self, [x, y]: [f64; 2]) -> f64 {
@@ -109,7 +124,7 @@ impl Patch {
         let e = if e.is_finite() { e.max(-s0) } else { 0.0 };
         let (kept, beyond) = self.keep_inside(at, [dx, dy], e);
         let s = s0 + kept;
-        let local = [0, 1].map(|k| (at[k] + kept * ray.direction[k]).clamp(0.0, 1.0));
+        let local = [0, 1].map(|k| self.inside(k, at[k] + kept * ray.direction[k]));
         let raw = self.height(local);
         let gap = ray.origin[2] + s * dz - raw;
         // The lattice coordinates themselves are rounded; on a steep cell that is a height.
@@ -119,13 +134,14 @@ impl Patch {
         Candidate { root: Root { s, cell: self.cell, local, raw, error, slope }, beyond }
     }
 
-    /// Shortens the step `e` from `at` to end on the cell's border if it leads outside; also names
-    /// the cell across that border. A start that is itself outside by a rounding does not move.
+    /// Shortens the step `e` from `at` to end on the border of cell or window if it leads outside;
+    /// also names the cell across the border, if the window goes on there. A start that is itself
+    /// outside by a rounding does not move.
     fn keep_inside(&self, at: [f64; 2], direction: [f64; 2], e: f64) -> (f64, Option<[i32; 2]>) {
         let (mut kept, mut beyond) = (e, None);
         for k in 0..2 {
             let end = at[k] + kept * direction[k];
-            let line = end.clamp(0.0, 1.0);
+            let line = self.inside(k, end);
             if (end - line).abs() <= 1e-12 {
                 continue;
             }
@@ -134,8 +150,8 @@ impl Patch {
                 kept = to_line;
             }
             let mut cell = self.cell;
-            cell[k] += if line == 0.0 { -1 } else { 1 };
-            beyond = Some(cell);
+            cell[k] += if end < line { -1 } else { 1 };
+            beyond = self.goes_on[k][usize::from(end > line)].then_some(cell);
         }
         (kept, beyond)
     }
@@ -155,6 +171,10 @@ mod tests {
         ExactRay { origin, direction, t_start: 0.0, t_length: 1.0 }
     }
 
+    fn window(hi: [f64; 2]) -> Window {
+        Window { lo: [0.0; 2], hi }
+    }
+
     #[test]
     fn a_rounded_start_gives_the_root_to_double_precision() {
         // Saddle z = x y met by the ray (0.1 + 0.8 s, 0.2 + 0.5 s, 1 - s).
@@ -162,7 +182,7 @@ mod tests {
         let ray = ray([0.1, 0.2, 1.0], [0.8, 0.5, -1.0]);
         // 0.4 s^2 + 1.21 s - 0.98 = 0.
         let want = (-1.21 + (1.21f64 * 1.21 + 4.0 * 0.4 * 0.98).sqrt()) / 0.8;
-        let root = refine(&ray, &saddle, [0, 0], want + 3e-7, [[0, 0], [1, 1]]);
+        let root = refine(&ray, &saddle, &window([1.0, 1.0]), [0, 0], want + 3e-7);
         assert!((root.s - want).abs() < 1e-15, "{} against {want}", root.s);
         assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.error < 1e-14);
     }
@@ -173,11 +193,11 @@ mod tests {
         let map = map(3, 2, &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
         let ray = ray([1.0 - 1e-16, 0.25, 2.0], [1e-17, 0.5, -1.25]);
         for cell in [0, 1] {
-            let root = refine(&ray, &map, [cell, 0], 0.8 + 1e-7, [[0, 0], [2, 1]]);
+            let root = refine(&ray, &map, &window([2.0, 1.0]), [cell, 0], 0.8 + 1e-7);
             assert!((root.s - 0.8).abs() < 1e-14, "{root:?}");
             assert!(root.error < 1e-13);
-            assert!(crosses(&ray, &map, [cell, 0], 0.8, true));
-            assert!(!crosses(&ray, &map, [cell, 0], 0.8, false));
+            assert!(crosses(&ray, &map, [cell, 0], (0.8, true)));
+            assert!(!crosses(&ray, &map, [cell, 0], (0.8, false)));
         }
     }
 
@@ -186,7 +206,7 @@ mod tests {
         // Along the ridge of a saddle, 1e-9 above its tangent point at s = 0.5.
         let saddle = map(2, 2, &[0.0, 1.0, 1.0, 0.0]);
         let ray = ray([0.0, 0.0, 0.5 + 1e-9], [1.0, 1.0, 0.0]);
-        let root = refine(&ray, &saddle, [0, 0], 0.5 + 1e-6, [[0, 0], [1, 1]]);
+        let root = refine(&ray, &saddle, &window([1.0, 1.0]), [0, 0], 0.5 + 1e-6);
         assert!((root.s - 0.5).abs() < 1e-9 && (root.error - 1e-9).abs() < 1e-12);
     }
 
@@ -195,12 +215,15 @@ mod tests {
         // A plane met at x = 1.25 by a very flat ray that the walk placed in cell 0.
         let plane = map(3, 2, &[0.0; 6]);
         let ray = ray([0.0, 0.3, 1.25e-6], [1.0, 0.1, -1e-6]);
-        let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [2, 1]]);
+        let root = refine(&ray, &plane, &window([2.0, 1.0]), [0, 0], 0.999);
         assert_eq!(root.cell, [1, 0]);
         assert!((root.s - 1.25).abs() < 1e-9 && (root.local[0] - 0.25).abs() < 1e-9);
         assert!(root.slope < 0.0);
+        // A window that ends inside of the neighbour holds it there.
+        let root = refine(&ray, &plane, &window([1.125, 1.0]), [0, 0], 0.999);
+        assert_eq!((root.cell, root.local[0], root.s), ([1, 0], 0.125, 1.125));
         // Without a neighbour it stays at the border, and says how far off it is.
-        let root = refine(&ray, &plane, [0, 0], 0.999, [[0, 0], [1, 1]]);
+        let root = refine(&ray, &plane, &window([1.0, 1.0]), [0, 0], 0.999);
         assert_eq!((root.cell, root.local[0]), ([0, 0], 1.0));
         assert!((root.error - 0.25e-6).abs() < 1e-12);
     }

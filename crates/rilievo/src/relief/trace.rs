@@ -68,9 +68,7 @@ pub(crate) fn first_crossing<P: Probe>(
     Some(match met {
         Met::Surface(LeafHit { s, cell, from_above }) => {
             let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
-            let window = &face.placement.window;
-            let cells = [window.lo.map(|x| x.floor() as i32), window.hi.map(|x| x.ceil() as i32)];
-            let root = refine(exact, heights, cell, f64::from(s), cells);
+            let root = refine(exact, heights, &face.placement.window, cell, f64::from(s));
             Crossing {
                 t: exact.t_start + root.s * exact.t_length,
                 lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
