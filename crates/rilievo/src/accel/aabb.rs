@@ -74,7 +74,7 @@ impl Aabb {
 
 /// A ray made ready for many slab tests.
 ///
-/// The test follows [Ize2013, robust slabs]: the far distances are multiplied by `1 + 2 gamma(3)`,
+/// The test follows \[Ize2013, robust slabs\]: the far distances are multiplied by `1 + 2 gamma(3)`,
 /// which covers their rounding. Here the origin is spread as well, by [`GROWTH`] of its largest
 /// coordinate, for rays that start on a surface and are off it by rounding.
 ///
