@@ -68,7 +68,7 @@ fn png_samples_are_scaled_to_sixteen_bits() {
     for (name, bits) in [("basn0g01", 1), ("basn0g02", 2), ("basn0g04", 4)] {
         let step = 65535 / ((1 << bits) - 1);
         let values = from_top(&height(&format!("png/valid/{name}.png")));
-        assert!(values.iter().all(|h| *h as u32 % step == 0), "{name}");
+        assert!(values.iter().all(|h| (*h as u32).is_multiple_of(step)), "{name}");
         assert!(values.iter().any(|h| *h > 0.0));
     }
 }

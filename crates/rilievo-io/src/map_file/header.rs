@@ -176,6 +176,10 @@ impl Header {
         let source = MapSource { samples, lattice, wrap, raw_range, hash: fields.u64() };
         let payload = fields.u64();
         let header = Self { kind, size, bits, source, metric, quantum, checksum: fields.u64() };
+        let spare = fields.u64();
+        if spare != 0 {
+            return Err(fields.invalid("spare field", spare.to_string(), "0"));
+        }
         header.check(&fields, payload)?;
         Ok(header)
     }

@@ -123,6 +123,7 @@ fn fields_out_of_range_are_named_even_with_a_right_checksum() {
         (2, 80, &f32::NAN.to_le_bytes(), "raw heights"),
         (3, 96, &most, "payload bytes"),
         (4, 104, &[0; 8], "payload checksum"),
+        (4, 112, &[1], "spare field: 1; allowed: 0"),
         (4, 24, &[9], "size"),
     ] {
         let error = change(&maps[map], at, value);

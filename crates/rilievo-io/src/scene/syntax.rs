@@ -304,7 +304,10 @@ impl<'a> Value<'a> {
 pub(super) fn hint(word: &str, known: &[&str]) -> String {
     let near = known.iter().map(|k| (distance(word, k), *k)).min();
     match near {
-        Some((steps, name)) if steps <= 1 + name.len() / 4 => format!("; did you mean `{name}`?"),
+        // A third of the letters may differ.
+        Some((steps, name)) if steps * 3 <= name.len().min(word.len()) => {
+            format!("; did you mean `{name}`?")
+        }
         _ => String::new(),
     }
 }
