@@ -74,7 +74,7 @@ pub(crate) fn first_crossing<P: Probe>(
                 lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
                 raw: root.raw,
                 error: root.error,
-                front: if root.slope == 0.0 { from_above } else { root.slope < 0.0 } == rising,
+                front: from_above == rising,
                 place: Place::Cell { cell: root.cell, local: root.local },
             }
         }
