@@ -58,9 +58,13 @@ struct SceneReport {
 
 fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
     let limits = Limits::default();
-    let files = SceneFile::read(&args.file, &limits)?.references().len();
+    let files = SceneFile::read(&args.file, &limits)?.references();
     let loaded = job::load(&args.file, None, limits, args.talk)?;
-    let scene = &loaded.scene;
+    // Files that no shape uses are not loaded; they must at least be there.
+    for file in &files {
+        FileKind::of(file)?;
+    }
+    let (scene, files) = (&loaded.scene, files.len());
     let report = SceneReport {
         valid: true,
         surfaces: scene.world().surfaces().len(),

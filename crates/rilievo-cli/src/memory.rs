@@ -5,13 +5,16 @@ use rilievo_render::MemoryUse;
 use crate::picture::PictureKind;
 
 /// Resident before any file is read: code, allocator, terminal and threads' own pages.
-const PROCESS_BYTES: u64 = 8 << 20;
+const PROCESS_BYTES: u64 = 6 << 20;
 
-/// Bytes that a render will need at its peak: what `render` says, the picture being written, the
+/// Bytes that a render will need at its peak. There are two peaks: reading the files, where
+/// decoders hold copies, and writing the picture. The first is over when this is asked, so it is
+/// taken from the system; the second is what `render` says, the picture being written, and the
 /// process.
 pub fn predicted_bytes(render: &MemoryUse, resolution: [u32; 2], picture: &PictureKind) -> u64 {
     let pixels = u64::from(resolution[0]) * u64::from(resolution[1]);
-    render.total() + pixels * picture.bytes_per_pixel() + PROCESS_BYTES
+    let writing = render.total() + pixels * picture.bytes_per_pixel() + PROCESS_BYTES;
+    writing.max(peak_rss_bytes().unwrap_or(0))
 }
 
 /// Largest resident size of this process so far. None where the system does not tell.

@@ -80,7 +80,6 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
 
 impl Report {
     fn new(info: &ImageInfo, heights: HeightMap, resolution: [u32; 2]) -> Self {
-        let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(&heights);
         let (low, high) = heights.raw_range();
         let unit = heights.unit();
         let bits = match heights.samples() {
@@ -92,6 +91,9 @@ impl Report {
         let film = Film::predicted_bytes(resolution, &[]);
         let memory =
             MemoryUse { heights: map_bytes, bounds: bounds_bytes, film, ..MemoryUse::default() };
+        let predicted_bytes = predicted_bytes(&memory, resolution, &PictureKind::Colour);
+        // After the prediction: sorting values takes memory that no render needs.
+        let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(relief.heights());
         Self {
             kind: "height map",
             format: info.format.to_string(),
@@ -110,7 +112,7 @@ impl Report {
             resolution,
             map_bytes,
             bounds_bytes,
-            predicted_bytes: predicted_bytes(&memory, resolution, &PictureKind::Colour),
+            predicted_bytes,
         }
     }
 

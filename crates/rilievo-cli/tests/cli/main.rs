@@ -1,0 +1,10 @@
+//! The command as a user meets it: files in, files and exit codes out.
+
+mod bad_inputs;
+mod determinism;
+mod diff;
+mod maps;
+mod render;
+mod stopped;
+mod support;
+mod usage;

@@ -1,0 +1,87 @@
+//! Help, versions, and words that make no sense.
+
+use crate::support::Folder;
+
+#[test]
+fn every_help_is_complete_and_ends_with_examples() {
+    let folder = Folder::new();
+    let commands = [
+        "",
+        "render",
+        "bake",
+        "bake normal",
+        "bake distance",
+        "bake bounds",
+        "info",
+        "check",
+        "diff",
+    ];
+    for command in commands {
+        let help = folder.run(&format!("{command} --help")).expect(0).stdout;
+        let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command}"));
+        let prefix = format!("  rilievo {command}");
+        assert!(examples.lines().count() > 1);
+        assert!(examples.lines().all(|line| line.starts_with(&prefix)), "{examples}");
+    }
+    let help = folder.run("--help").stdout;
+    assert!(help.contains("Exit codes:") && help.contains("130"));
+    let render = folder.run("render --help").stdout;
+    let flags = [
+        "--output",
+        "--samples",
+        "--resolution",
+        "--integrator",
+        "--method",
+        "--backend",
+        "--threads",
+        "--seed",
+        "--aov",
+        "--pixel-centers",
+        "--max-memory",
+        "--time-limit",
+        "--json",
+        "--quiet",
+    ];
+    for flag in flags {
+        assert!(render.contains(flag), "{flag}");
+    }
+    assert!(folder.run("--version").expect(0).stdout.starts_with("rilievo "));
+}
+
+#[test]
+fn nonsense_is_a_usage_error_before_any_work() {
+    let folder = Folder::new().with_scene();
+    let before = folder.names();
+    let lines = [
+        "",
+        "paint scene.toml",
+        "render scene.toml",
+        "render scene.toml -o out.jpg",
+        "render scene.toml -o out",
+        "render scene.toml -o out.png --samples 0",
+        "render scene.toml -o out.png --samples many",
+        "render scene.toml -o out.png --resolution 64",
+        "render scene.toml -o out.png --resolution 0x5",
+        "render scene.toml -o out.png --integrator radiosity",
+        "render scene.toml -o out.png --method guess",
+        "render scene.toml -o out.png --aov Colour",
+        "render scene.toml -o out.png --aov P",
+        "render scene.toml -o out.png --time-limit -1",
+        "render scene.toml -o out.png --max-memory lots",
+        "bake map.png -o out.map",
+        "bake distance map.png -o out.map --size 4,4",
+        "bake distance map.png -o out.map --size 1,4,4 --kind corrected",
+        "bake normal map.png -o out.map --convention directx",
+        "bake normal map.png -o out.png --depth 0",
+        "check scene.toml --map map.png",
+        "diff map.png",
+        "diff map.png map.png --max -1",
+        "diff map.png map.png -o heat.exr",
+    ];
+    for line in lines {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(2), "{line}: {}", run.stderr);
+        assert!(run.stdout.is_empty(), "{line}");
+        assert_eq!(folder.names(), before, "{line}");
+    }
+}
