@@ -66,7 +66,7 @@ pub struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     pub backend: Backend,
     /// Threads; 0 takes one per processor. The picture does not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = value::threads)]
     pub threads: usize,
     /// Seed of every random choice [default: the scene's].
     #[arg(long, value_name = "N")]

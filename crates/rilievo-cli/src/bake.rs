@@ -62,7 +62,7 @@ impl BakeFiles {
         let start = Instant::now();
         let built = build();
         let seconds = start.elapsed().as_secs_f64();
-        progress.finish();
+        drop(progress);
         (built, seconds)
     }
 

@@ -112,7 +112,7 @@ fn baked(args: &CheckArgs) -> Result<Outcome, Failure> {
         BakedContent::Distances(map) => check_distances(map, &heights),
         BakedContent::MinMax(levels) => check_bounds(levels, &heights),
     };
-    progress.finish();
+    drop(progress);
     if !same {
         talk.line(format_args!("{path}: made from another height map than {}", source.display()));
     }

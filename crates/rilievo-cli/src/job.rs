@@ -102,12 +102,10 @@ pub fn load(
     let file = SceneFile::read(path, &limits)?;
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {
-        let previous = built.replace(Some(tell_build(build, talk)));
-        previous.map(Progress::finish);
+        drop(built.take());
+        built.replace(Some(tell_build(build, talk)));
     };
-    let loaded = file.load(&LoadOptions { limits, method, building: &building });
-    built.take().map(Progress::finish);
-    Ok(loaded?)
+    Ok(file.load(&LoadOptions { limits, method, building: &building })?)
 }
 
 /// Says which distance map is being built, and what to expect of it.

@@ -5,7 +5,7 @@ use rilievo_render::MemoryUse;
 use crate::picture::PictureKind;
 
 /// Resident before any file is read: code, allocator, terminal and threads' own pages.
-const PROCESS_BYTES: u64 = 6 << 20;
+const PROCESS_BYTES: u64 = 8 << 20;
 
 /// Bytes that a render will need at its peak. There are two peaks: reading the files, where
 /// decoders hold copies, and writing the picture. The first is over when this is asked, so it is

@@ -11,7 +11,7 @@ use crate::report::duration;
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
-/// How far a piece of work is.
+/// How far a piece of work is; shown until dropped.
 pub struct Progress(Shown);
 
 enum Shown {
@@ -83,10 +83,12 @@ impl Progress {
             }
         }
     }
+}
 
+impl Drop for Progress {
     /// The work is over; a bar is taken away.
-    pub fn finish(self) {
-        if let Shown::Bar(bar) = self.0 {
+    fn drop(&mut self) {
+        if let Shown::Bar(bar) = &self.0 {
             bar.finish_and_clear();
         }
     }

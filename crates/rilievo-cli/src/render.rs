@@ -59,6 +59,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
         let why = "this build has no GPU backend; take --backend cpu";
         return Err(Failure::Refused(why.to_owned()));
     }
+    // Maps are built by the global pool, pictures by one of their own.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads);
+    pool.build_global().map_err(Failure::refused)?;
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
     let job = RenderJob::open(args)?;
     let start = Instant::now();
@@ -116,7 +119,7 @@ fn render(
     let options = RenderOptions { progress: &tell, cancel: interrupt.flag(), ..job.options() };
     let work = || rilievo_render::render(&job.scene, &options);
     let (result, limited) = interrupt.limited(args.time_limit, work);
-    progress.finish();
+    drop(progress);
     let (film, stats) = result.map_err(Failure::refused)?;
     Ok((film, stats, limited))
 }

@@ -150,6 +150,12 @@ pub fn samples(text: &str) -> Result<u32, String> {
     found.ok_or_else(|| format!("expected 1 to {most}"))
 }
 
+/// Threads; more than a few thousand are a slip of the hand.
+pub fn threads(text: &str) -> Result<usize, String> {
+    let found = text.parse().ok().filter(|&n| n <= 4096);
+    found.ok_or_else(|| "expected 0 to 4096".to_owned())
+}
+
 /// Bytes, perhaps with K, M, G or T for powers of 1024.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let split = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());

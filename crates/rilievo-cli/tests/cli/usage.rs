@@ -64,6 +64,7 @@ fn nonsense_is_a_usage_error_before_any_work() {
         "render scene.toml -o out.png --resolution 0x5",
         "render scene.toml -o out.png --integrator radiosity",
         "render scene.toml -o out.png --method guess",
+        "render scene.toml -o out.png --threads 1000000",
         "render scene.toml -o out.png --aov Colour",
         "render scene.toml -o out.png --aov P",
         "render scene.toml -o out.png --time-limit -1",
