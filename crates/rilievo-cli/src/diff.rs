@@ -50,7 +50,8 @@ pub fn run(args: &DiffArgs) -> Result<Outcome, Failure> {
         "{pixels} of {} pixels differ, {unmatched} of them with a number in one picture only",
         report::count(total)
     ));
-    talk.line(format_args!("max {max:e}, mean {mean:e}, RMSE {rmse:e}"));
+    let shown = [max, mean, rmse].map(report::number);
+    talk.line(format_args!("max {}, mean {}, RMSE {}", shown[0], shown[1], shown[2]));
     if let Some(worst) = &difference.worst {
         let [x, y] = worst.pixel;
         let (channel, [va, vb]) = (worst.channel, worst.values);

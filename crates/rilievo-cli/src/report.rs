@@ -53,6 +53,12 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
+/// A number with about six digits: `0.381966`, `1.2e-9`.
+pub fn number(x: f64) -> String {
+    let size = x.abs();
+    if size == 0.0 || (1e-3..1e6).contains(&size) { format!("{x:.6}") } else { format!("{x:.3e}") }
+}
+
 /// A count with a decimal unit: `12.3 million`.
 pub fn count(n: u64) -> String {
     match n {
@@ -76,6 +82,9 @@ mod tests {
             [(0.0123, "12 ms"), (3.44, "3.4 s"), (320.5, "5 min 20 s"), (7500.0, "2 h 5 min")];
         for (s, want) in spans {
             assert_eq!(duration(s), want);
+        }
+        for (x, want) in [(0.0, "0.000000"), (-1.5, "-1.500000"), (1.234e-9, "1.234e-9")] {
+            assert_eq!(number(x), want);
         }
         for (n, want) in [(12, "12"), (12_345, "12.3 thousand"), (2_500_000_000, "2.5 billion")] {
             assert_eq!(count(n), want);

@@ -138,10 +138,10 @@ impl Report {
         ));
         for (axis, seam) in [("u", &self.seams.u), ("v", &self.seams.v)] {
             talk.line(format_args!(
-                "seam in {axis}   largest step {:.3e}, mean {:.3e} (inside {:.3e}): {}",
-                seam.largest,
-                seam.mean,
-                seam.inner_mean,
+                "seam in {axis}   largest step {}, mean {} (inside {}): {}",
+                report::number(seam.largest),
+                report::number(seam.mean),
+                report::number(seam.inner_mean),
                 if seam.tiles { "tiles" } else { "does not tile" }
             ));
         }

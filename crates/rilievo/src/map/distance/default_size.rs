@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | boxes | cells, at most 256 a side; 32 deep | 4 MiB of 16-bit codes, built in a fraction of a second |
 //! | corrected | cells, at most 128 a side; 32 deep | a search for every node: seconds, not minutes |
-//! | published | samples, 32 deep; less where the brute force would look at more than 2^32 samples | the paper's one node a sample |
+//! | published | samples, 32 deep; less where the brute force would look at more than 2^31 samples | the paper's one node a sample |
 //!
 //! Finer maps shorten few steps: past the map's own cells no column gets narrower than the cell that
 //! the leaf tests anyway, and with 32 slabs a step from the top of the domain already skips most of
@@ -16,8 +16,8 @@ use crate::map::{HeightMap, Metric};
 /// Slabs or node layers.
 const DEPTH: u32 = 32;
 
-/// Samples that the published brute force may look at: about a quarter of a minute of one core.
-const PUBLISHED_WORK: f64 = (1u64 << 32) as f64;
+/// Samples that the published brute force may look at: some ten seconds of one core.
+const PUBLISHED_WORK: f64 = (1u64 << 31) as f64;
 
 impl DistanceOptions {
     /// The options of a map of `heights` in `metric` when nobody says otherwise: 16 bits, and a size
