@@ -267,7 +267,7 @@ Exit codes:
 Examples:
   rilievo render scenes/relief/scene.toml -o relief.png
   rilievo info heights.png
-  rilievo bake distance heights.png -o heights.dist
+  rilievo bake distance heights.png -o heights-distance.rlv
   rilievo diff a.exr b.exr --max 1e-6";
 
 const RENDER: &str = "\
@@ -287,25 +287,25 @@ Every map is read back after writing and compared with what was meant.
 
 Examples:
   rilievo bake normal heights.png -o normals.png --face 2x2 --depth 0.1
-  rilievo bake distance heights.png -o heights.dist --size 256,256,32
-  rilievo bake bounds heights.png -o heights.bounds";
+  rilievo bake distance heights.png -o heights-distance.rlv --size 256,256,32
+  rilievo bake bounds heights.png -o heights-bounds.rlv";
 
 const BAKE_NORMAL: &str = "\
 Examples:
   rilievo bake normal heights.png -o normals.png --face 2x2 --depth 0.1
   rilievo bake normal heights.png -o normals.png --convention directx
-  rilievo bake normal heights.png -o heights.normals --normals published";
+  rilievo bake normal heights.png -o heights-normals.rlv --normals published";
 
 const BAKE_DISTANCE: &str = "\
 Examples:
-  rilievo bake distance heights.png -o heights.dist
-  rilievo bake distance heights.png -o heights.dist --kind corrected --size 128,128,32 --bits 8
-  rilievo bake distance dem.tif -o dem.dist --grid vertex --wrap clamp --face 3000x3000 --depth 1";
+  rilievo bake distance heights.png -o heights-distance.rlv
+  rilievo bake distance heights.png -o heights-distance.rlv --kind corrected --size 128,128,32 --bits 8
+  rilievo bake distance dem.tif -o dem-distance.rlv --grid vertex --wrap clamp --face 3000x3000 --depth 1";
 
 const BAKE_BOUNDS: &str = "\
 Examples:
-  rilievo bake bounds heights.png -o heights.bounds
-  rilievo bake bounds dem.tif -o dem.bounds --grid vertex --wrap clamp";
+  rilievo bake bounds heights.png -o heights-bounds.rlv
+  rilievo bake bounds dem.tif -o dem-bounds.rlv --grid vertex --wrap clamp";
 
 const INFO: &str = "\
 The kind of file is told from its content.
@@ -313,7 +313,7 @@ The kind of file is told from its content.
 Examples:
   rilievo info heights.png
   rilievo info dem.tif --grid vertex --wrap clamp --resolution 1920x1080
-  rilievo info heights.dist
+  rilievo info heights-distance.rlv
   rilievo info scene.toml --json";
 
 const CHECK: &str = "\
@@ -321,8 +321,8 @@ Exit code 3 says that a stored distance or bound is not safe, 1 that a file coul
 
 Examples:
   rilievo check scene.toml
-  rilievo check heights.dist --map heights.png
-  rilievo check dem.bounds --map dem.tif --json";
+  rilievo check heights-distance.rlv --map heights.png
+  rilievo check dem-bounds.rlv --map dem.tif --json";
 
 const DIFF: &str = "\
 Without a threshold any difference fails, exit code 3. NaN equals NaN and differs from every
