@@ -299,8 +299,8 @@ Examples:
 const BAKE_DISTANCE: &str = "\
 Examples:
   rilievo bake distance heights.png -o heights-distance.rlv
-  rilievo bake distance heights.png -o heights-distance.rlv --kind corrected --size 128,128,32 --bits 8
-  rilievo bake distance dem.tif -o dem-distance.rlv --grid vertex --wrap clamp --face 3000x3000 --depth 1";
+  rilievo bake distance heights.png -o exact.rlv --kind corrected --size 128,128,32 --bits 8
+  rilievo bake distance dem.tif -o dem.rlv --grid vertex --wrap clamp --face 3000x3000 --depth 1";
 
 const BAKE_BOUNDS: &str = "\
 Examples:
