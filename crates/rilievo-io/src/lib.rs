@@ -4,6 +4,9 @@
 //! | module | reads | writes |
 //! |---|---|---|
 //! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM | EXR, PNG |
+//! | [`map_file`] | baked normals, distances, min-max bounds | the same |
+//! | [`mesh`] | OBJ | |
+//! | [`scene`] | TOML scenes, with all the files they name | |
 //!
 //! Nothing here trusts a file. Sizes are checked against [`Limits`] before memory is asked for,
 //! decoders of other crates run behind a guard that turns their panics into errors, and every
