@@ -42,7 +42,7 @@
 //! cell instead; that leaves rays which start within rounding of a cell border to their neighbour,
 //! where the same rounding can flip a sign. The lift has no such case.
 
-use super::map_ray::MapRay;
+use super::map_ray::{MapRay, larger, smaller};
 
 /// Which crossings count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,8 +93,8 @@ impl Span {
     /// The part of the ray inside forward cell (fx, fy) and the window; none if it is empty.
     #[inline]
     pub fn new(ray: &MapRay, fx: i32, fy: i32) -> Option<Self> {
-        let t0 = ray.t_near(0, fx).max(ray.t_near(1, fy)).max(0.0);
-        let t1 = ray.t_far(0, fx).min(ray.t_far(1, fy)).min(1.0);
+        let t0 = larger(larger(ray.t_near(0, fx), ray.t_near(1, fy)), 0.0);
+        let t1 = smaller(smaller(ray.t_far(0, fx), ray.t_far(1, fy)), 1.0);
         if t0 >= t1 {
             return None;
         }

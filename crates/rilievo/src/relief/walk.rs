@@ -16,7 +16,7 @@ use crate::map::{HeightMap, Pyramid};
 use crate::probe::Probe;
 
 use super::leaf::{self, Crossings, LeafHit, Span};
-use super::map_ray::MapRay;
+use super::map_ray::{MapRay, larger, smaller};
 use super::tile::{Tile, TileAxis};
 
 /// Deepest pyramid: 2^24 cells a side take 12 levels of a factor 4 above 4 x 4 cells.
@@ -97,34 +97,45 @@ impl<'a> Descent<'a> {
         [node[0] * 4 + ((lane & 3) ^ self.flip[0]), node[1] * 4 + ((lane >> 2) ^ self.flip[1])]
     }
 
-    /// Parameters of the near and far lines of the four columns (or rows) of a node, forward.
+    /// Parameters of the five lines of the four columns (or rows) of a node, forward.
     #[inline]
-    fn times(&self, axis: usize, node: i32, side: i32) -> [[f32; 4]; 2] {
+    fn times(&self, axis: usize, node: i32, side: i32) -> [f32; 5] {
         let start = self.tile.axes[axis].forward_start(node * 4 * side, 4 * side);
-        let line = |k: i32| ((start + k * side) as f32).clamp(self.lo[axis], self.hi[axis]);
-        let lines = [0, 1, 2, 3, 4].map(|k| self.ray.t(axis, line(k)));
-        [[lines[0], lines[1], lines[2], lines[3]], [lines[1], lines[2], lines[3], lines[4]]]
+        let (lo, hi) = (self.lo[axis], self.hi[axis]);
+        let mut times = [0.0; 5];
+        for (k, time) in times.iter_mut().enumerate() {
+            let line = (start + k as i32 * side) as f32;
+            *time = self.ray.t(axis, smaller(larger(line, lo), hi));
+        }
+        times
     }
 
-    /// Forward lanes of a node whose block the ray may meet.
+    /// Forward lanes of a node whose block the ray may meet. Lanes are independent, in loops that
+    /// a compiler turns into vectors.
+    #[inline]
     fn hit_mask(&self, level: u32, node: [i32; 2]) -> u16 {
         let side = 4i32 << (2 * level);
-        let [near_x, far_x] = self.times(0, node[0], side);
-        let [near_y, far_y] = self.times(1, node[1], side);
+        let (x, y) = (self.times(0, node[0], side), self.times(1, node[1], side));
         let at = self.pyramid.level(level);
         let index = (node[1] as u32 * at.nodes[0] + node[0] as u32) as usize;
         let (max, min, code) = (&at.max[index], &at.min[index], self.pyramid.code());
+        let [enter, leave] = self.ray.cull;
         let stored = (self.flip[0] | self.flip[1] << 2) as usize;
         let mut mask = 0;
-        for lane in 0..16 {
-            let (x, y) = (lane & 3, lane >> 2);
-            let t0 = near_x[x].max(near_y[y]).max(self.ray.cull[0]);
-            let t1 = far_x[x].min(far_y[y]).min(self.ray.cull[1]);
-            let (za, zb) = (self.ray.z(t0), self.ray.z(t1));
-            let hit = t0 <= t1
-                && za.min(zb) - self.slack <= code.value(max[lane ^ stored])
-                && za.max(zb) + self.slack >= code.value(min[lane ^ stored]);
-            mask |= u16::from(hit) << lane;
+        for row in 0..4 {
+            let mut hit = [false; 4];
+            for (column, hit) in hit.iter_mut().enumerate() {
+                let t0 = larger(larger(x[column], y[row]), enter);
+                let t1 = smaller(smaller(x[column + 1], y[row + 1]), leave);
+                let (za, zb) = (self.ray.z(t0), self.ray.z(t1));
+                let lane = (row * 4 + column) ^ stored;
+                *hit = (t0 <= t1)
+                    & (smaller(za, zb) - self.slack <= code.value(max[lane]))
+                    & (larger(za, zb) + self.slack >= code.value(min[lane]));
+            }
+            for (column, hit) in hit.into_iter().enumerate() {
+                mask |= u16::from(hit) << (row * 4 + column);
+            }
         }
         mask
     }
