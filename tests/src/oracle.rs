@@ -22,10 +22,6 @@ use rilievo::{Part, Ray};
 
 use cell::Patch;
 
-/// Cells are widened by this much on every side, in cells, so that a root on a shared border is
-/// never lost between two of them.
-const MARGIN: f64 = 1e-9;
-
 /// A root this close to a given start, in cells, is that start.
 const SAME_POINT: f64 = 1e-8;
 
@@ -95,9 +91,17 @@ struct Local {
     o: DVec3,
     d: DVec3,
     t_max: f64,
+    /// Cells are widened by this much on every side, in cells, so that a root on a shared border
+    /// is not lost between two of them: a few roundings of the coordinates along the ray.
+    margin: f64,
 }
 
 impl Local {
+    fn new(o: DVec3, d: DVec3, t_max: f64, farthest: DVec2) -> Self {
+        let reach = o.truncate().abs().max(farthest).max_element();
+        Self { o, d, t_max, margin: 16.0 * f64::EPSILON * (1.0 + reach) }
+    }
+
     fn at(&self, t: f64) -> DVec3 {
         self.o + t * self.d
     }
@@ -256,7 +260,7 @@ impl<'a> Oracle<'a> {
     /// at `t = 0` is divided out of the quadratic, and its own wall is passed over.
     pub fn closest_from(&self, start: &Start, direction: DVec3) -> Option<OracleHit> {
         let d = self.lattice_from_face(self.face_from_world(direction));
-        let local = Local { o: start.at.extend(start.offset), d, t_max: f64::INFINITY };
+        let local = Local::new(start.at.extend(start.offset), d, f64::INFINITY, self.farthest());
         self.nearest(&local, Some(start), false)
     }
 
@@ -285,17 +289,21 @@ impl<'a> Oracle<'a> {
         let o = self.parameters(ray.origin);
         let at = self.at_zero + self.per_uv * DVec2::new(o.x, o.y);
         let d = self.lattice_from_face(self.face_from_world(ray.direction));
-        Local { o: at.extend(o.z), d, t_max: ray.t_max }
+        Local::new(at.extend(o.z), d, ray.t_max, self.farthest())
+    }
+
+    fn farthest(&self) -> DVec2 {
+        self.low.abs().max(self.high.abs())
     }
 
     fn nearest(&self, ray: &Local, start: Option<&Start>, all: bool) -> Option<OracleHit> {
         let mut best = None;
         let (low, high) = self.offsets();
         let pad = 1e-9 * self.size().max(low.abs()).max(high.abs());
-        let slab = ray
+        let window = ray
             .clip(0, self.low.x, self.high.x, [0.0, ray.t_max])
-            .and_then(|span| ray.clip(1, self.low.y, self.high.y, span))
-            .and_then(|span| ray.clip(2, low - pad, high + pad, span));
+            .and_then(|span| ray.clip(1, self.low.y, self.high.y, span));
+        let slab = window.and_then(|span| ray.clip(2, low - pad, high + pad, span));
         if let Some(span) = slab {
             if all {
                 let (low, high) = (self.low.floor(), self.high.floor());
@@ -309,7 +317,24 @@ impl<'a> Oracle<'a> {
             }
         }
         self.walls(ray, start, &mut best);
+        if let (Some(hit), None, Some([from, _])) = (&mut best, start, window)
+            && let (Part::Cell(..), false) = (hit.part, self.place.one_sided)
+        {
+            hit.front = self.starts_above(ray, from).unwrap_or(hit.front);
+        }
         best
+    }
+
+    /// Whether a ray is above the surface where it enters the window, if that is beyond doubt. At
+    /// the first crossing it still is. The slope of the gap says the same, but where a ray touches
+    /// a sample, two roots in two cells are apart by less than their rounding.
+    fn starts_above(&self, ray: &Local, t: f64) -> Option<bool> {
+        let at = ray.at(t);
+        // On the far border the last cell inside, not the first beyond.
+        let cell = at.truncate().floor().clamp(self.low.floor(), self.high.ceil() - 1.0);
+        let patch = self.patch(cell.x as i32, cell.y as i32);
+        let gap = at.z - patch.value(at.truncate() - cell);
+        (gap.abs() > 1e-9 * self.size()).then_some(gap > 0.0)
     }
 
     /// Every cell whose closed square the clipped ray can touch, row by row.
@@ -322,14 +347,14 @@ impl<'a> Oracle<'a> {
     ) {
         let ends = span.map(|t| ray.at(t));
         let (y0, y1) = (ends[0].y.min(ends[1].y), ends[0].y.max(ends[1].y));
-        for j in (y0 - MARGIN).floor() as i32..=(y1 + MARGIN).floor() as i32 {
-            let (bottom, top) = (f64::from(j) - MARGIN, f64::from(j + 1) + MARGIN);
+        for j in (y0 - ray.margin).floor() as i32..=(y1 + ray.margin).floor() as i32 {
+            let (bottom, top) = (f64::from(j) - ray.margin, f64::from(j + 1) + ray.margin);
             let Some(row) = ray.clip(1, bottom, top, span) else {
                 continue;
             };
             let x = row.map(|t| ray.at(t).x);
             let (x0, x1) = (x[0].min(x[1]), x[0].max(x[1]));
-            for i in (x0 - MARGIN).floor() as i32..=(x1 + MARGIN).floor() as i32 {
+            for i in (x0 - ray.margin).floor() as i32..=(x1 + ray.margin).floor() as i32 {
                 self.cell(ray, (i, j), span, start, best);
             }
         }
@@ -351,8 +376,8 @@ impl<'a> Oracle<'a> {
             return;
         }
         let inside = ray
-            .clip(0, x - MARGIN, x + 1.0 + MARGIN, span)
-            .and_then(|span| ray.clip(1, y - MARGIN, y + 1.0 + MARGIN, span));
+            .clip(0, x - ray.margin, x + 1.0 + ray.margin, span)
+            .and_then(|span| ray.clip(1, y - ray.margin, y + 1.0 + ray.margin, span));
         let Some(span) = inside else {
             return;
         };

@@ -146,7 +146,7 @@ fn reintersect(method: Method, hits: u64) {
             })
             .reduce(Tally::default, Tally::merge);
         let _ = writeln!(std::io::stderr(), "{method} on {}: {total:?}", scene.name);
-        if total.self_hits + total.wrong > 0 || total.dips > total.rays / 10_000 {
+        if total.self_hits + total.wrong > 0 || total.dips > total.rays / 2000 {
             failures.push(format!("{method} on {}: {total:?}", scene.name));
         }
     }
