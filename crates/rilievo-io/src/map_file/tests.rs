@@ -1,3 +1,5 @@
+//! Baked maps come back as they were written; damaged ones are errors.
+
 use rilievo::map::{DistanceKind, DistanceOptions, NormalKind, Procedural, Pyramid};
 
 use super::*;
