@@ -124,11 +124,14 @@ impl HeightMap {
                 let bad = v.iter().position(|h| !h.is_finite() || h.abs() > 1e18);
                 if let Some(at) = bad {
                     let (i, j) = (at % width as usize, at / width as usize);
-                    return Err(HeightMapError::NotFinite { i: i as u32, j: j as u32, value: v[at] });
+                    return Err(HeightMapError::NotFinite {
+                        i: i as u32,
+                        j: j as u32,
+                        value: v[at],
+                    });
                 }
-                v.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), &h| {
-                    (lo.min(h), hi.max(h))
-                })
+                v.iter()
+                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
             }
         };
         let (x, y) = (Axis::new(width, lattice, wrap), Axis::new(height, lattice, wrap));
@@ -246,10 +249,7 @@ impl HeightMap {
         let along_x = (h[1] - h[0]) * (1.0 - fy) + (h[3] - h[2]) * fy;
         let along_y = (h[2] - h[0]) * (1.0 - fx) + (h[3] - h[1]) * fx;
         let unit = self.unit();
-        [
-            along_x * unit * f64::from(self.x.period()),
-            along_y * unit * f64::from(self.y.period()),
-        ]
+        [along_x * unit * f64::from(self.x.period()), along_y * unit * f64::from(self.y.period())]
     }
 
     /// Bytes held by the samples.
