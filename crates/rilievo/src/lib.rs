@@ -50,6 +50,7 @@
 //!   through it, without an epsilon to choose.
 //! - [`map`]: height maps and what is derived from them: normals, distance maps, min-max pyramid.
 //! - [`relief`]: displaced faces and the methods that walk rays through them.
+//! - [`surface`]: everything that can be hit, and the world that holds it.
 //! - [`mesh`], [`accel`]: undisplaced triangle meshes and the BVH, which knows nothing of relief.
 //! - [`Probe`]: counters of the work done; `()` counts nothing and costs nothing.
 //!
