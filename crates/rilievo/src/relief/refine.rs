@@ -136,7 +136,7 @@ impl Patch {
 
     /// Shortens the step `e` from `at` to end on the border of cell or window if it leads outside;
     /// also names the cell across the border, if the window goes on there. A start that is itself
-    /// outside by a rounding does not move.
+    /// outside by a rounding goes back to the border, unless that is far along the ray.
     fn keep_inside(&self, at: [f64; 2], direction: [f64; 2], e: f64) -> (f64, Option<[i32; 2]>) {
         let (mut kept, mut beyond) = (e, None);
         for k in 0..2 {
@@ -146,7 +146,8 @@ impl Patch {
                 continue;
             }
             let to_line = (line - at[k]) / direction[k];
-            if to_line * kept >= 0.0 && to_line.abs() <= kept.abs() {
+            let on_the_way = to_line * kept >= 0.0 && to_line.abs() <= kept.abs();
+            if on_the_way || to_line.abs() <= 1e-6 {
                 kept = to_line;
             }
             let mut cell = self.cell;
