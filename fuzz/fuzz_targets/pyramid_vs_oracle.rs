@@ -59,6 +59,10 @@ fuzz_target!(|bytes: &[u8]| {
     assert!(same_bits(&every_cell, &pyramid), "{every_cell:?}\n{pyramid:?}");
     let oracle = scene.oracle();
     let judge = oracle.closest(&ray);
+    // A start on the very border of the surface touches it or not, as one likes to see it.
+    if judge.is_some_and(|judge| judge.t == 0.0) {
+        return;
+    }
     let differs = difference(&oracle, &pyramid, &judge, Sides::Either).is_some();
     let fair = !differs || excused(&oracle, &ray, &pyramid, Sides::Either);
     assert!(fair, "{ray:?}\n{pyramid:?}\n{judge:?}");
