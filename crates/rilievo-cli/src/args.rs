@@ -242,10 +242,14 @@ pub struct DiffArgs {
     /// Largest root mean square difference that is allowed.
     #[arg(long, value_name = "X", value_parser = value::threshold)]
     pub rmse: Option<f64>,
+    /// Differences of a value up to this do not make a pixel differ. Largest, mean and RMSE are over
+    /// all values all the same.
+    #[arg(long, value_name = "X", value_parser = value::threshold)]
+    pub tolerance: Option<f64>,
     /// Most pixels that may differ.
     #[arg(long, value_name = "N")]
     pub pixels: Option<u64>,
-    /// Heat picture to write: the difference of each pixel, largest is bright.
+    /// Heat picture to write: pixels that differ are coloured, the largest difference is bright.
     #[arg(short, long, value_name = "HEAT.png", value_parser = PngPath::parser())]
     pub output: Option<PngPath>,
     /// Compare only this layer, as P or N; RGB is the colour [default: all channels].
@@ -331,4 +335,4 @@ number. A pixel with a number in one picture only fails unless --pixels allows i
 Examples:
   rilievo diff a.exr b.exr
   rilievo diff a.png b.png --rmse 0.002 --pixels 20
-  rilievo diff a.exr b.exr --layer P -o heat.png --json";
+  rilievo diff a.exr b.exr --layer P --tolerance 0.01 -o heat.png --json";

@@ -1,7 +1,5 @@
 //! `rilievo bake`: derived maps as files, read back after writing.
 
-use std::time::Instant;
-
 use rilievo::map::{
     DistanceMap, DistanceOptions, HeightMap, Metric, NormalConvention, NormalMap, NormalTexels,
     Pyramid,
@@ -17,6 +15,7 @@ use crate::name;
 use crate::outcome::{Failure, Outcome};
 use crate::progress::Progress;
 use crate::report;
+use crate::stopwatch::{Elapsed, Stopwatch};
 
 /// The JSON object.
 #[derive(Serialize)]
@@ -26,8 +25,26 @@ struct Report {
     /// Texels and 1; voxels or nodes; stored cells and levels.
     size: [u32; 3],
     build_seconds: f64,
+    /// Processor time of all threads; null where the system does not tell.
+    build_cpu_seconds: Option<f64>,
     map_bytes: u64,
     bytes: u64,
+}
+
+/// What was made: its size, how long it took, its bytes.
+type Made = ([u32; 3], Elapsed, u64);
+
+impl Report {
+    fn new(kind: &'static str, heights: &HeightMap, (size, build, bytes): Made) -> Self {
+        Self {
+            kind,
+            size,
+            build_seconds: build.seconds,
+            build_cpu_seconds: build.cpu_seconds,
+            map_bytes: heights.bytes(),
+            bytes,
+        }
+    }
 }
 
 pub fn run(args: &BakeArgs) -> Result<Outcome, Failure> {
@@ -57,13 +74,13 @@ impl BakeFiles {
     }
 
     /// Builds a map and takes the time.
-    fn timed<T>(&self, what: &str, build: impl FnOnce() -> T) -> (T, f64) {
+    fn timed<T>(&self, what: &str, build: impl FnOnce() -> T) -> (T, Elapsed) {
         let progress = Progress::uncounted(self.talk.quiet, &format!("building the {what} map"));
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let built = build();
-        let seconds = start.elapsed().as_secs_f64();
+        let elapsed = watch.elapsed();
         drop(progress);
-        (built, seconds)
+        (built, elapsed)
     }
 
     /// Writes a map and reads it back.
@@ -98,8 +115,8 @@ fn normal(args: &NormalArgs) -> Result<Report, Failure> {
     }
     let heights = files.heights()?;
     let metric = args.face.metric(&heights);
-    let build = || NormalMap::from_height(&heights, args.normals, metric);
-    let (map, build_seconds) = files.timed("normal", build);
+    let make = || NormalMap::from_height(&heights, args.normals, metric);
+    let (map, build) = files.timed("normal", make);
     let texels = map.to_texels(args.convention);
     let bytes = size_of_val(texels.as_slice()) as u64;
     let (width, height) = (heights.width(), heights.height());
@@ -118,7 +135,8 @@ fn normal(args: &NormalArgs) -> Result<Report, Failure> {
         files.store(&heights, BakedContent::Normals(BakedNormals { metric, texels }))?;
     }
     let size = [width, height, 1];
-    Ok(Report { kind: "normal", size, build_seconds, map_bytes: heights.bytes(), bytes })
+    let made = (size, build, bytes);
+    Ok(Report::new("normal", &heights, made))
 }
 
 fn distance(args: &DistanceArgs) -> Result<Report, Failure> {
@@ -135,22 +153,24 @@ fn distance(args: &DistanceArgs) -> Result<Report, Failure> {
     let by_default = DistanceOptions::by_default(&heights, args.kind, args.face.metric(&heights));
     let size = args.size.unwrap_or(by_default.size);
     let options = DistanceOptions { size, bits: args.bits, ..by_default };
-    let build = || DistanceMap::from_height(&heights, args.kind, &options);
-    let (map, build_seconds) = files.timed("distance", build);
+    let make = || DistanceMap::from_height(&heights, args.kind, &options);
+    let (map, build) = files.timed("distance", make);
     let map = map.map_err(Failure::refused)?;
     let bytes = map.bytes();
     files.store(&heights, BakedContent::Distances(map))?;
     let kind = name::distance_kind(args.kind);
-    Ok(Report { kind, size, build_seconds, map_bytes: heights.bytes(), bytes })
+    let made = (size, build, bytes);
+    Ok(Report::new(kind, &heights, made))
 }
 
 fn bounds(files: &BakeFiles) -> Result<Report, Failure> {
     let heights = files.heights()?;
-    let (pyramid, build_seconds) = files.timed("min-max", || Pyramid::build(&heights));
+    let (pyramid, build) = files.timed("min-max", || Pyramid::build(&heights));
     let [x, y] = pyramid.cells();
     let size = [x, y, pyramid.levels()];
     let bytes = pyramid.bytes();
     let levels = (0..pyramid.levels()).map(|l| pyramid.level(l).clone()).collect();
     files.store(&heights, BakedContent::MinMax(levels))?;
-    Ok(Report { kind: "min-max", size, build_seconds, map_bytes: heights.bytes(), bytes })
+    let made = (size, build, bytes);
+    Ok(Report::new("min-max", &heights, made))
 }

@@ -12,6 +12,9 @@ use crate::outcome::{Failure, Outcome};
 use crate::report;
 use compare::{Difference, Pair};
 
+/// Where the heat ramp begins for pixels that differ.
+const LEAST_HEAT: f64 = 0.35;
+
 /// The JSON object.
 #[derive(Serialize)]
 struct Report<'a> {
@@ -38,7 +41,7 @@ pub fn run(args: &DiffArgs) -> Result<Outcome, Failure> {
     let pair = Pair::new(&a, &b, args.layer.as_deref()).map_err(|why| {
         Failure::Refused(format!("{} and {}: {why}", args.a.display(), args.b.display()))
     })?;
-    let difference = pair.difference();
+    let difference = pair.difference(args.tolerance.unwrap_or(0.0));
     if let Some(output) = &args.output {
         write_png_rgb8(&output.0, [a.width, a.height], &heat_picture(&difference))?;
     }
@@ -91,8 +94,11 @@ fn exceeded(args: &DiffArgs, found: &Difference<'_>) -> Vec<&'static str> {
     tests.iter().filter(|test| test.1).map(|test| test.0).collect()
 }
 
-/// Dark where the pictures agree, bright at the largest difference and at unmatched pixels.
+/// Dark where the pictures agree, bright at the largest difference and at unmatched pixels. No pixel
+/// that differs is dark, however little.
 fn heat_picture(difference: &Difference<'_>) -> Vec<[u8; 3]> {
     let most = if difference.max > 0.0 { difference.max } else { 1.0 };
-    difference.of_pixel.iter().map(|&d| heat(f64::from(d) / most)).collect()
+    let colour =
+        |d: f64| heat(if d > 0.0 { LEAST_HEAT + (1.0 - LEAST_HEAT) * d / most } else { 0.0 });
+    difference.of_pixel.iter().map(|&d| colour(f64::from(d))).collect()
 }

@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 use std::path::Path;
-use std::time::Instant;
 
 use rilievo::map::DistanceKind;
 use rilievo::relief::Method;
@@ -18,6 +17,7 @@ use crate::outcome::Failure;
 use crate::picture::PictureKind;
 use crate::progress::Progress;
 use crate::report;
+use crate::stopwatch::{Elapsed, Stopwatch};
 
 /// A render that can start.
 pub struct RenderJob {
@@ -28,7 +28,8 @@ pub struct RenderJob {
     pub predicted_bytes: u64,
     /// Camera rays per pixel.
     pub samples: u32,
-    pub build_seconds: f64,
+    /// Reading the scene and building what its methods need.
+    pub build: Elapsed,
     threads: usize,
     pixel_centers: bool,
 }
@@ -36,7 +37,7 @@ pub struct RenderJob {
 impl RenderJob {
     /// Reads the scene and builds what its methods need.
     pub fn open(args: &RenderArgs) -> Result<Self, Failure> {
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let limits = args.max_memory.map_or_else(Limits::default, |max_bytes| Limits { max_bytes });
         let loaded = load(&args.scene, args.method, limits, args.talk)?;
         let LoadedScene { scene, tone_map, .. } = loaded;
@@ -60,7 +61,7 @@ impl RenderJob {
             memory: MemoryUse::default(),
             predicted_bytes: 0,
             samples: if args.pixel_centers { 1 } else { settings.samples },
-            build_seconds: start.elapsed().as_secs_f64(),
+            build: watch.elapsed(),
             threads: args.threads,
             pixel_centers: args.pixel_centers,
             scene,

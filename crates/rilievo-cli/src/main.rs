@@ -14,6 +14,7 @@ mod picture;
 mod progress;
 mod render;
 mod report;
+mod stopwatch;
 
 use std::process::ExitCode;
 

@@ -1,7 +1,5 @@
 //! `rilievo render`: a scene to a picture.
 
-use std::time::Instant;
-
 use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats};
 use serde::Serialize;
 
@@ -13,13 +11,17 @@ use crate::outcome::{Failure, Outcome};
 use crate::picture::Finished;
 use crate::progress::Progress;
 use crate::report;
+use crate::stopwatch::Stopwatch;
 
 /// The JSON object.
 #[derive(Serialize)]
 struct Report {
     /// Reading the scene and its files, building what its methods need.
     build_seconds: f64,
+    /// Processor time of all threads; null where the system does not tell.
+    build_cpu_seconds: Option<f64>,
     render_seconds: f64,
+    render_cpu_seconds: Option<f64>,
     rays: Rays,
     /// Height maps and colour images.
     map_bytes: u64,
@@ -64,9 +66,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     pool.build_global().map_err(Failure::refused)?;
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
     let job = RenderJob::open(args)?;
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let (film, stats, limited) = render(args, &job, &interrupt)?;
-    let render_seconds = start.elapsed().as_secs_f64();
+    let rendering = watch.elapsed();
     let share = share_finished(&film);
     let output = &args.output;
     // A picture without a single pixel is worth less than the one that is there.
@@ -83,8 +85,10 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     }
     let [width, height] = film.resolution();
     let report = Report {
-        build_seconds: job.build_seconds,
-        render_seconds,
+        build_seconds: job.build.seconds,
+        build_cpu_seconds: job.build.cpu_seconds,
+        render_seconds: rendering.seconds,
+        render_cpu_seconds: rendering.cpu_seconds,
         rays: stats.rays.into(),
         map_bytes: job.memory.heights + job.memory.textures,
         bounds_bytes: job.memory.bounds,

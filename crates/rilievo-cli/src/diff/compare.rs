@@ -21,11 +21,12 @@ pub struct Difference<'a> {
     pub mean: f64,
     /// Root of the mean squared difference.
     pub rmse: f64,
-    /// Pixels with a value that differs.
+    /// Pixels with a value that differs by more than the tolerance.
     pub pixels: u64,
     /// Pixels with a value that is not matched.
     pub unmatched: u64,
-    /// For each pixel, the largest difference of its values; infinite where unmatched.
+    /// For each pixel, the largest difference of its values above the tolerance, or 0; infinite
+    /// where unmatched.
     pub of_pixel: Vec<f32>,
     /// Where the largest difference is.
     pub worst: Option<Worst<'a>>,
@@ -81,8 +82,8 @@ impl<'a> Pair<'a> {
         self.channels.iter().map(|pair| pair.0.name.as_str())
     }
 
-    /// Compares them.
-    pub fn difference(&self) -> Difference<'a> {
+    /// Compares them. A difference of a value of at most `tolerance` does not make its pixel differ.
+    pub fn difference(&self, tolerance: f64) -> Difference<'a> {
         let mut found = Difference {
             max: 0.0,
             mean: 0.0,
@@ -102,7 +103,7 @@ impl<'a> Pair<'a> {
                 };
                 (sum, squares, matched) = (sum + d, squares + d * d, matched + 1);
                 // A difference of two f32 may be below the smallest f32 and is still one.
-                let shown = if d > 0.0 { (d as f32).max(f32::MIN_POSITIVE) } else { 0.0 };
+                let shown = if d > tolerance { (d as f32).max(f32::MIN_POSITIVE) } else { 0.0 };
                 found.of_pixel[at] = found.of_pixel[at].max(shown);
                 if d > found.max {
                     found.max = d;
@@ -156,7 +157,7 @@ mod tests {
         let b = image(&[("G", [0.0, 0.0, 0.0, 0.5]), ("R", [0.0, 1.0, 1.0, 3.0])]);
         let pair = Pair::new(&a, &b, None).unwrap();
         assert_eq!(pair.channels().collect::<Vec<_>>(), ["G", "R"]);
-        let d = pair.difference();
+        let d = pair.difference(0.0);
         assert_eq!((d.max, d.mean, d.pixels, d.unmatched), (1.0, 1.5 / 8.0, 2, 0));
         assert!((d.rmse - (1.25f64 / 8.0).sqrt()).abs() < 1e-15);
         assert_eq!(d.of_pixel, [0.0, 0.0, 1.0, 0.5]);
@@ -170,16 +171,30 @@ mod tests {
         let a = image(&[("Z", [nan, nan, inf, inf])]);
         let b = image(&[("Z", [nan, 1.0, inf, -inf])]);
         let pair = Pair::new(&a, &b, None).unwrap();
-        let d = pair.difference();
+        let d = pair.difference(0.0);
         assert_eq!((d.max, d.pixels, d.unmatched), (0.0, 2, 2));
         assert_eq!(d.of_pixel, [0.0, inf, 0.0, inf]);
+    }
+
+    #[test]
+    fn a_tolerance_forgives_pixels_and_no_statistics() {
+        let a = image(&[("R", [0.0, 0.5, 0.25, f32::NAN]), ("G", [0.0, 0.25, 0.0, 0.0])]);
+        let b = image(&[("R", [0.0; 4]), ("G", [0.0; 4])]);
+        let pair = Pair::new(&a, &b, None).unwrap();
+        let (exact, tolerant) = (pair.difference(0.0), pair.difference(0.25));
+        assert_eq!((exact.pixels, tolerant.pixels, tolerant.unmatched), (3, 2, 1));
+        assert_eq!(tolerant.of_pixel, [0.0, 0.5, 0.0, f32::INFINITY]);
+        assert_eq!(
+            (exact.max, exact.mean, exact.rmse),
+            (tolerant.max, tolerant.mean, tolerant.rmse)
+        );
     }
 
     #[test]
     fn a_difference_below_every_f32_counts() {
         let a = image(&[("Y", [f32::from_bits(1), 0.0, 0.0, 0.0])]);
         let b = image(&[("Y", [0.0; 4])]);
-        assert_eq!(Pair::new(&a, &b, None).unwrap().difference().pixels, 1);
+        assert_eq!(Pair::new(&a, &b, None).unwrap().difference(0.0).pixels, 1);
     }
 
     #[test]
@@ -188,7 +203,7 @@ mod tests {
         let b = image(&[("R", [1.0; 4]), ("P.X", [0.0; 4]), ("P.Y", [0.0; 4]), ("Z", [0.0; 4])]);
         assert!(Pair::new(&a, &b, None).is_err_and(|why| why.contains("--layer")));
         assert!(Pair::new(&a, &b, Some("N")).is_err_and(|why| why.contains("no layer")));
-        let of = |layer| Pair::new(&a, &b, Some(layer)).unwrap().difference().pixels;
+        let of = |layer| Pair::new(&a, &b, Some(layer)).unwrap().difference(0.0).pixels;
         assert_eq!((of("P"), of("RGB"), of("P.X")), (0, 4, 0));
     }
 }

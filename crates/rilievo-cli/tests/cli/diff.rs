@@ -42,6 +42,9 @@ fn known_differences_are_measured() {
         ("--pixels 1", 0),
         ("--pixels 0", 3),
         ("--max 1 --pixels 0", 3),
+        ("--tolerance 0.5", 0),
+        ("--tolerance 0.49", 3),
+        ("--tolerance 0.5 --max 0.4", 3),
         ("--layer Z", 0),
         ("--layer P", 3),
     ] {
@@ -65,7 +68,7 @@ fn a_number_against_nan_is_a_difference_that_no_size_allows() {
 fn the_heat_picture_is_bright_where_pixels_differ() {
     let folder = Folder::new();
     write(&folder, "a.exr", [0.0; 4]);
-    write(&folder, "b.exr", [0.0, 1.0, 0.5, 0.0]);
+    write(&folder, "b.exr", [0.0, 1.0, 1e-9, 0.0]);
     folder.run("diff a.exr b.exr -o heat.png").expect(3);
     let heat = ChannelImage::read(&folder.path("heat.png"), &Limits::default()).unwrap();
     let green = &heat.channel("G").unwrap().samples;
