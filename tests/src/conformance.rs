@@ -197,7 +197,7 @@ pub fn difference(
 /// Whether the oracle gives `answer` to some ray a nudge away.
 pub fn excused(oracle: &Oracle<'_>, ray: &Ray, answer: &Option<Hit>, sides: Sides) -> bool {
     let towards = answer.map(|hit| hit.position - ray.origin);
-    nudged(ray.direction, towards).any(|direction| {
+    nudged(ray.direction, towards, oracle.normal()).any(|direction| {
         let judge = oracle.closest(&Ray { direction, ..*ray });
         difference(oracle, answer, &judge, sides).is_none()
     })
@@ -209,8 +209,8 @@ pub fn excused(oracle: &Oracle<'_>, ray: &Ray, answer: &Option<Hit>, sides: Side
 pub fn names_its_point(oracle: &Oracle<'_>, ray: &Ray, hit: &Hit) -> bool {
     let place = oracle.placement();
     let reach = place.corners[0].abs().max_element() + oracle.size() + ray.origin.length();
-    let rounding = 1e-14 * reach;
-    let on_ray = hit.position.distance(ray.at(hit.t)) <= hit.position_error + rounding;
+    let rounding = 1e-13 * reach;
+    let on_ray = hit.position.distance(ray.at(hit.t)) <= hit.position_error + 10.0 * rounding;
     let uv = oracle.parameters(hit.position).truncate();
     let right_uv = uv.distance(hit.uv) * oracle.size() <= 2.0 * hit.position_error + rounding
         || uv.distance(hit.uv) <= 1e-9;

@@ -111,7 +111,9 @@ pub fn compare_image(
             }
             continue;
         }
-        let mut turned = nudged(ray.direction, found.map(|point| point - ray.origin));
+        let normal = faces.first().map_or(DVec3::Z, Oracle::normal);
+        let towards = found.map(|point| point - ray.origin);
+        let mut turned = nudged(ray.direction, towards, normal);
         if turned.any(|direction| same(found, &nearest(faces, &Ray { direction, ..*ray }))) {
             report.excused += 1;
             continue;

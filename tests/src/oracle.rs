@@ -14,6 +14,7 @@
 //! [`Oracle::closest_of_all_cells`] takes every cell there is and tests the former.
 
 mod cell;
+mod search;
 mod wall;
 
 use glam::{DVec2, DVec3};
@@ -21,9 +22,7 @@ use rilievo::map::{Axis, HeightMap};
 use rilievo::{Part, Ray};
 
 use cell::Patch;
-
-/// A root this close to a given start, in cells, is that start.
-const SAME_POINT: f64 = 1e-8;
+use search::{Cells, Search};
 
 /// Where a relief stands and how it is displaced; the words are those of a scene file.
 #[derive(Clone, Debug, PartialEq)]
@@ -223,12 +222,12 @@ impl<'a> Oracle<'a> {
 
     /// The nearest meeting with `0 <= t <= t_max`. The ray's `from` is not looked at.
     pub fn closest(&self, ray: &Ray) -> Option<OracleHit> {
-        self.nearest(&self.local(ray), None, false)
+        Search::new(self, &self.local(ray), None).nearest(Cells::Touched)
     }
 
     /// The same by testing every cell of the face; slow.
     pub fn closest_of_all_cells(&self, ray: &Ray) -> Option<OracleHit> {
-        self.nearest(&self.local(ray), None, true)
+        Search::new(self, &self.local(ray), None).nearest(Cells::All)
     }
 
     /// The start of a ray on `part`, below or above the world point `near`.
@@ -261,7 +260,7 @@ impl<'a> Oracle<'a> {
     pub fn closest_from(&self, start: &Start, direction: DVec3) -> Option<OracleHit> {
         let d = self.lattice_from_face(self.face_from_world(direction));
         let local = Local::new(start.at.extend(start.offset), d, f64::INFINITY, self.farthest());
-        self.nearest(&local, Some(start), false)
+        Search::new(self, &local, Some(start)).nearest(Cells::Touched)
     }
 
     fn offset_of(&self, raw: f64) -> f64 {
@@ -294,123 +293,6 @@ impl<'a> Oracle<'a> {
 
     fn farthest(&self) -> DVec2 {
         self.low.abs().max(self.high.abs())
-    }
-
-    fn nearest(&self, ray: &Local, start: Option<&Start>, all: bool) -> Option<OracleHit> {
-        let mut best = None;
-        let (low, high) = self.offsets();
-        let pad = 1e-9 * self.size().max(low.abs()).max(high.abs());
-        let window = ray
-            .clip(0, self.low.x, self.high.x, [0.0, ray.t_max])
-            .and_then(|span| ray.clip(1, self.low.y, self.high.y, span));
-        let slab = window.and_then(|span| ray.clip(2, low - pad, high + pad, span));
-        if let Some(span) = slab {
-            if all {
-                let (low, high) = (self.low.floor(), self.high.floor());
-                for j in low.y as i32..=high.y as i32 {
-                    for i in low.x as i32..=high.x as i32 {
-                        self.cell(ray, (i, j), span, start, &mut best);
-                    }
-                }
-            } else {
-                self.rows(ray, span, start, &mut best);
-            }
-        }
-        self.walls(ray, start, &mut best);
-        if let (Some(hit), None, Some([from, _])) = (&mut best, start, window)
-            && let (Part::Cell(..), false) = (hit.part, self.place.one_sided)
-        {
-            hit.front = self.starts_above(ray, from).unwrap_or(hit.front);
-        }
-        best
-    }
-
-    /// Whether a ray is above the surface where it enters the window, if that is beyond doubt. At
-    /// the first crossing it still is. The slope of the gap says the same, but where a ray touches
-    /// a sample, two roots in two cells are apart by less than their rounding.
-    fn starts_above(&self, ray: &Local, t: f64) -> Option<bool> {
-        let at = ray.at(t);
-        // On the far border the last cell inside, not the first beyond.
-        let cell = at.truncate().floor().clamp(self.low.floor(), self.high.ceil() - 1.0);
-        let patch = self.patch(cell.x as i32, cell.y as i32);
-        let gap = at.z - patch.value(at.truncate() - cell);
-        (gap.abs() > 1e-9 * self.size()).then_some(gap > 0.0)
-    }
-
-    /// Every cell whose closed square the clipped ray can touch, row by row.
-    fn rows(
-        &self,
-        ray: &Local,
-        span: [f64; 2],
-        start: Option<&Start>,
-        best: &mut Option<OracleHit>,
-    ) {
-        let ends = span.map(|t| ray.at(t));
-        let (y0, y1) = (ends[0].y.min(ends[1].y), ends[0].y.max(ends[1].y));
-        for j in (y0 - ray.margin).floor() as i32..=(y1 + ray.margin).floor() as i32 {
-            let (bottom, top) = (f64::from(j) - ray.margin, f64::from(j + 1) + ray.margin);
-            let Some(row) = ray.clip(1, bottom, top, span) else {
-                continue;
-            };
-            let x = row.map(|t| ray.at(t).x);
-            let (x0, x1) = (x[0].min(x[1]), x[0].max(x[1]));
-            for i in (x0 - ray.margin).floor() as i32..=(x1 + ray.margin).floor() as i32 {
-                self.cell(ray, (i, j), span, start, best);
-            }
-        }
-    }
-
-    fn cell(
-        &self,
-        ray: &Local,
-        (i, j): (i32, i32),
-        span: [f64; 2],
-        start: Option<&Start>,
-        best: &mut Option<OracleHit>,
-    ) {
-        let (x, y) = (f64::from(i), f64::from(j));
-        // A cell that only touches the window belongs to what lies beyond the face.
-        let beyond =
-            x >= self.high.x || y >= self.high.y || x + 1.0 <= self.low.x || y + 1.0 <= self.low.y;
-        if beyond {
-            return;
-        }
-        let inside = ray
-            .clip(0, x - ray.margin, x + 1.0 + ray.margin, span)
-            .and_then(|span| ray.clip(1, y - ray.margin, y + 1.0 + ray.margin, span));
-        let Some(span) = inside else {
-            return;
-        };
-        let patch = self.patch(i, j);
-        let corner = DVec3::new(x, y, 0.0);
-        let own = start.is_some_and(|start| start.part == Part::Cell(i, j));
-        let roots = if own {
-            patch.other_root(ray.o - corner, ray.d, span)
-        } else {
-            patch.roots(ray.o - corner, ray.d, span)
-        };
-        for (t, gap_rises) in roots {
-            let step = (t * ray.d.truncate()).length();
-            let front = !gap_rises;
-            if start.is_some() && !own && step <= SAME_POINT
-                || t < 0.0
-                || t > ray.t_max
-                || (self.place.one_sided && !front)
-            {
-                continue;
-            }
-            self.offer(ray, t, front, Part::Cell(i, j), best);
-        }
-    }
-
-    fn offer(&self, ray: &Local, t: f64, front: bool, part: Part, best: &mut Option<OracleHit>) {
-        if best.is_some_and(|hit| hit.t <= t) {
-            return;
-        }
-        let at = ray.at(t);
-        let uv = self.uv_of_lattice(at.truncate());
-        let position = self.point(uv.x, uv.y, at.z);
-        *best = Some(OracleHit { t, position, uv, offset: at.z, front, part });
     }
 }
 

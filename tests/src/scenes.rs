@@ -91,7 +91,7 @@ const KINDS: [Kind; 17] = [
     ("step 50 x 30", Shape::Step, [50, 30], true),
     ("white noise 64", Shape::White(4), [64, 64], true),
     ("white noise 31 floats", Shape::White(5), [31, 31], false),
-    ("flat 16", Shape::Flat(0.5), [16, 16], true),
+    ("flat 16", Shape::Flat(0.625), [16, 16], true),
     ("ramp 9 x 12 floats", Shape::Ramp(0.75, -0.5), [9, 12], false),
     ("spike 80", Shape::Spike, [80, 80], true),
     ("ripple 96 floats", Shape::Ripple, [96, 96], false),

@@ -94,7 +94,7 @@ fn spawn_from(hit: &Hit, face: &ReliefFace, oracle: &Oracle<'_>, random: &mut Ra
             difference(oracle, &answer, &oracle.closest_from(&start, d), Sides::Same).is_none()
         };
         let towards = answer.map(|hit| hit.position - oracle.start_point(&start));
-        if nudged(direction, towards).any(same) {
+        if nudged(direction, towards, oracle.normal()).any(same) {
             tally.excused += 1;
         } else if is_a_dip(oracle, &ray, &start, &answer) {
             tally.dips += 1;

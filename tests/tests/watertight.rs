@@ -36,12 +36,9 @@ fn crossing(oracle: &Oracle<'_>, random: &mut Random) -> Ray {
             ends[1][axis] = at;
         }
         1 => {
-            for axis in 0..2 {
-                let at = line(random, axis);
-                let reach = random.range(0.0, 1.0) * at.min(1.0 - at);
-                ends[0][axis] = at - reach;
-                ends[1][axis] = at + reach;
-            }
+            let at = [0, 1].map(|axis| line(random, axis));
+            let reach = at.map(|at| random.unit() * at.min(1.0 - at));
+            ends = [[at[0] - reach[0], at[1] - reach[1]], [at[0] + reach[0], at[1] + reach[1]]];
         }
         _ => {}
     }
@@ -94,7 +91,7 @@ fn crossings_alternate_and_their_number_is_odd() {
                 ray.t_max = f64::INFINITY;
                 let sides = hits_along(&face, &ray);
                 let alternate = sides.iter().enumerate().all(|(n, front)| *front == (n % 2 == 0));
-                (!alternate || sides.len() % 2 == 0).then_some((ray, sides))
+                (!alternate || sides.len().is_multiple_of(2)).then_some((ray, sides))
             })
             .collect();
         let count = wrong.len();

@@ -9,7 +9,8 @@ use glam::DVec2;
 use rilievo::map::{Axis, Lattice, Wrap};
 use rilievo::{Part, Wall};
 
-use super::{Local, Oracle, OracleHit, Start};
+use super::Oracle;
+use super::search::Search;
 
 /// The line of the lattice a wall stands on.
 pub(super) struct Stand {
@@ -36,40 +37,53 @@ impl Oracle<'_> {
         Stand { axis, coordinate }
     }
 
-    pub(super) fn walls(&self, ray: &Local, start: Option<&Start>, best: &mut Option<OracleHit>) {
-        let mut meet = |wall: Wall| {
-            if start.is_none_or(|start| start.part != Part::Wall(wall)) {
-                self.wall(ray, wall, best);
-            }
-        };
-        if self.place.closed {
-            [Wall::LowU, Wall::HighU, Wall::LowV, Wall::HighV].into_iter().for_each(&mut meet);
+    /// Offset of the surface at `foot`, by the cell that reaches it from the smaller (`side` -1)
+    /// or larger (+1) coordinate along `axis`.
+    fn offset_beside(&self, axis: usize, foot: DVec2, side: f64) -> f64 {
+        let mut cell = foot.floor();
+        if side < 0.0 && cell[axis] == foot[axis] {
+            cell[axis] -= 1.0;
         }
-        seams(self.map.x(), self.low.x, self.high.x).for_each(|x| meet(Wall::SeamU(x)));
-        seams(self.map.y(), self.low.y, self.high.y).for_each(|y| meet(Wall::SeamV(y)));
+        self.patch(cell.x as i32, cell.y as i32).value(foot - cell)
+    }
+}
+
+impl Search<'_> {
+    pub(super) fn walls(&mut self) {
+        let oracle = self.oracle;
+        if oracle.place.closed {
+            for wall in [Wall::LowU, Wall::HighU, Wall::LowV, Wall::HighV] {
+                self.wall(wall);
+            }
+        }
+        let (low, high) = (oracle.low, oracle.high);
+        seams(oracle.map.x(), low.x, high.x).for_each(|x| self.wall(Wall::SeamU(x)));
+        seams(oracle.map.y(), low.y, high.y).for_each(|y| self.wall(Wall::SeamV(y)));
     }
 
-    fn wall(&self, ray: &Local, wall: Wall, best: &mut Option<OracleHit>) {
-        let Stand { axis, coordinate } = self.stand_of(wall);
+    fn wall(&mut self, wall: Wall) {
+        let (ray, oracle) = (self.ray, self.oracle);
+        let Stand { axis, coordinate } = oracle.stand_of(wall);
         let along = 1 - axis;
         let t = (coordinate - ray.o[axis]) / ray.d[axis];
-        // A ray within the plane of a wall, and NaN, touch nothing.
-        if !(t >= 0.0 && t <= ray.t_max) || ray.d[axis] == 0.0 {
+        // A ray within the plane of a wall, and NaN, touch nothing; nor does a ray its own wall.
+        let own = self.start.is_some_and(|start| start.part == Part::Wall(wall));
+        if own || !(t >= 0.0 && t <= ray.t_max) || ray.d[axis] == 0.0 {
             return;
         }
         let at = ray.at(t);
-        if at[along] < self.low[along] || at[along] > self.high[along] {
+        if at[along] < oracle.low[along] || at[along] > oracle.high[along] {
             return;
         }
         let mut foot = at.truncate();
         foot[axis] = coordinate;
-        let below = self.offset_beside(axis, foot, -1.0);
-        let above = self.offset_beside(axis, foot, 1.0);
+        let below = oracle.offset_beside(axis, foot, -1.0);
+        let above = oracle.offset_beside(axis, foot, 1.0);
         // Offsets on the wall's two sides, at smaller and larger lattice coordinate.
         let seam = matches!(wall, Wall::SeamU(_) | Wall::SeamV(_));
         let (left, right) = if seam {
             (below, above)
-        } else if coordinate <= self.low[axis] {
+        } else if coordinate <= oracle.low[axis] {
             (0.0, above)
         } else {
             (below, 0.0)
@@ -79,19 +93,9 @@ impl Oracle<'_> {
         }
         let faces_up = left > right;
         let front = faces_up == (ray.d[axis] < 0.0);
-        if front || !self.place.one_sided {
-            self.offer(ray, t, front, Part::Wall(wall), best);
+        if front || !oracle.place.one_sided {
+            self.offer(t, front, Part::Wall(wall));
         }
-    }
-
-    /// Offset of the surface at `foot`, by the cell that reaches it from the smaller (`side` -1)
-    /// or larger (+1) coordinate along `axis`.
-    fn offset_beside(&self, axis: usize, foot: DVec2, side: f64) -> f64 {
-        let mut cell = foot.floor();
-        if side < 0.0 && cell[axis] == foot[axis] {
-            cell[axis] -= 1.0;
-        }
-        self.patch(cell.x as i32, cell.y as i32).value(foot - cell)
     }
 }
 
