@@ -33,6 +33,8 @@ pub(crate) struct Segment<'a> {
     ray: &'a ExactRay,
     from: f64,
     to: f64,
+    /// The end of the height range through which the ray comes in, if it does not come from a side.
+    entry: Option<f64>,
     /// Whether the ray starts on this very surface.
     spawned: bool,
 }
@@ -44,6 +46,7 @@ impl<'a> Segment<'a> {
         let lows = [window.lo[0], window.lo[1], f64::from(low)];
         let highs = [window.hi[0], window.hi[1], f64::from(high)];
         let (mut from, mut to) = (0.0f64, end);
+        let mut entry = None;
         for k in 0..3 {
             let (o, d) = (ray.origin[k], ray.direction[k]);
             if d == 0.0 {
@@ -53,10 +56,13 @@ impl<'a> Segment<'a> {
                 continue;
             }
             let (a, b) = ((lows[k] - o) / d, (highs[k] - o) / d);
+            if k == 2 && a.min(b) > from {
+                entry = Some(if d < 0.0 { highs[2] } else { lows[2] });
+            }
             from = from.max(a.min(b));
             to = to.min(a.max(b));
         }
-        (from <= to).then_some(Self { map, ray, from, to, spawned: false })
+        (from <= to).then_some(Self { map, ray, from, to, entry, spawned: false })
     }
 
     /// The same for a ray that starts on the surface: the start itself is not to be found.
@@ -121,13 +127,22 @@ impl<'a> Segment<'a> {
             return None;
         }
         let mut last = (from, self.gap(from));
+        let mut from_above = last.1 > 0.0;
+        if let Some(z) = self.entry.filter(|_| !self.spawned) {
+            // The highest and lowest places touch the ends of the range, where the ray comes in.
+            let [x, y, _] = self.point(from);
+            from_above = self.ray.direction[2] < 0.0;
+            if z == self.map.raw_at_lattice(x, y) {
+                return Some(ApproximateHit { s: from, from_above });
+            }
+        }
         for k in 1..=MARCH_STEPS {
             probe.step();
             let s = from + f64::from(k) * step;
             let gap = self.gap(s);
-            if (gap > 0.0) != (last.1 > 0.0) {
+            if (gap > 0.0) != from_above {
                 let s = last.0 + (s - last.0) * last.1 / (last.1 - gap);
-                return Some(ApproximateHit { s, from_above: last.1 > 0.0 });
+                return Some(ApproximateHit { s, from_above });
             }
             last = (s, gap);
         }
@@ -140,4 +155,33 @@ fn stored_coordinate(axis: &crate::map::Axis, x: f64) -> f64 {
     let run = axis.run(x.floor() as i32);
     let along = x - f64::from(run.start);
     if run.flipped { f64::from(run.first) + 1.0 - along } else { f64::from(run.first) + along }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
+    use crate::Ray;
+    use crate::map::{Lattice, Procedural, Wrap};
+    use crate::relief::{FaceOptions, Method, Relief, ReliefFace};
+
+    #[test]
+    fn flat_tops_are_met_where_rays_come_in() {
+        for map in [Procedural::Flat { value: 1.0 }, Procedural::Studded { studs: [1, 1] }] {
+            let map = map.height_map([9, 9], Lattice::Vertex, Wrap::Clamp).unwrap();
+            let corners =
+                [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y].map(|c| c * 0.7);
+            let options = FaceOptions { method: Method::March, ..FaceOptions::default() };
+            let face = ReliefFace::new(corners, Arc::new(Relief::new(map)), options).unwrap();
+            for i in 0..100 {
+                let target = DVec3::new(0.3 + 0.001 * f64::from(i), 0.35, 1.0);
+                let origin = target + DVec3::new(0.01 * f64::from(i), 0.3, 1.0);
+                let hit = face.closest(&Ray::new(origin, target - origin), &mut ());
+                let hit = hit.expect("a flat top");
+                assert!(hit.front && (hit.position - target).length() < 1e-9, "{hit:?}");
+            }
+        }
+    }
 }
