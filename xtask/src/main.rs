@@ -1,18 +1,20 @@
 //! `cargo xtask`: development commands.
 //!
 //! * `cargo xtask ci` runs everything that gates a change, in the order in which it fails fastest.
+//! * `cargo xtask figures` draws the pictures and measures the tables of `docs`.
 //! * `cargo xtask tidy` checks the house rules that neither rustc nor clippy knows.
 //!
 //! Exit codes: 0 all is well, 1 something failed, 2 the command line is wrong.
 
 mod ci;
+mod figures;
 mod tidy;
 
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask <ci | tidy>";
+const USAGE: &str = "usage: cargo xtask <ci | tidy | figures [--quick] [PART...]>";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -21,6 +23,13 @@ fn main() -> ExitCode {
     let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["ci"] => ci::run(root),
         ["tidy"] => tidy::run(root),
+        ["figures", ref words @ ..] => match figures::run(root, words) {
+            Ok(passed) => passed,
+            Err(why) => {
+                say(&format!("{why}\n{USAGE}"));
+                return ExitCode::from(2);
+            }
+        },
         _ => {
             say(USAGE);
             return ExitCode::from(2);
