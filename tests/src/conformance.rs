@@ -53,10 +53,13 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// These scenes with `rays` rays each, or as many as the environment's `RILIEVO_RAYS` says.
+    /// These scenes with `rays` rays each, or as many as the environment's `RILIEVO_RAYS` says;
+    /// with `RILIEVO_STEP` = n only every n-th scene, for long runs.
     pub fn new(scenes: Vec<Scene>, rays: u64) -> Self {
-        let asked = std::env::var("RILIEVO_RAYS").ok().and_then(|text| text.parse().ok());
-        Self { scenes, rays: asked.unwrap_or(rays), seed: 1 }
+        let asked = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+        let step = asked("RILIEVO_STEP").map_or(1, |n| n.max(1) as usize);
+        let scenes = scenes.into_iter().step_by(step).collect();
+        Self { scenes, rays: asked("RILIEVO_RAYS").unwrap_or(rays), seed: 1 }
     }
 }
 

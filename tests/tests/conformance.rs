@@ -1,6 +1,7 @@
 //! Every method against the oracle, and the exact ones against each other in bits.
 //!
-//! `RILIEVO_RAYS=10000000` runs the acceptance size; the default is for every day.
+//! `RILIEVO_RAYS=10000000` runs the acceptance size, `RILIEVO_STEP=7` every seventh scene only; the
+//! defaults are for every day.
 
 use std::io::Write;
 
