@@ -10,50 +10,16 @@ use glam::{DVec2, DVec3};
 
 use crate::accel::Aabb;
 use crate::hit::Hit;
-use crate::map::{DistanceKind, Lattice, Wrap};
+use crate::map::DistanceKind;
 use crate::probe::Probe;
 use crate::ray::{Part, Ray, Wall};
 
 use super::Relief;
-use super::leaf::Crossings;
 use super::method::Method;
+use super::options::{Displacement, FaceOptions};
 use super::placement::Placement;
-use super::shading::ShadingNormals;
-use super::trace::{self, Crossing, Place};
-
-/// How a height map is laid on a face: `offset(u, v) = scale * (H(u * tile + shift) - zero)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Displacement {
-    /// Scene units per unit of height; may be negative, not 0.
-    pub scale: f64,
-    /// The height that stays on the face.
-    pub zero: f64,
-    /// Repetitions of the map along u and v; positive.
-    pub tile: [f64; 2],
-    /// Added to the map parameters after tiling.
-    pub shift: [f64; 2],
-}
-
-impl Default for Displacement {
-    fn default() -> Self {
-        Self { scale: 1.0, zero: 0.0, tile: [1.0; 2], shift: [0.0; 2] }
-    }
-}
-
-/// Everything about a face but its corners and its map.
-#[derive(Clone, Debug, Default)]
-pub struct FaceOptions {
-    /// How the map is laid on the face.
-    pub displacement: Displacement,
-    /// How rays are walked.
-    pub method: Method,
-    /// Which normals to shade with.
-    pub normals: ShadingNormals,
-    /// Whether walls go down from the border to offset 0.
-    pub closed: bool,
-    /// Whether rays from behind pass through.
-    pub one_sided: bool,
-}
+use super::shading::Shading;
+use super::trace::{Crossing, Place, Trace};
 
 /// Why a face was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -101,9 +67,9 @@ const MAX_COORDINATE: f64 = (1u32 << 22) as f64;
 /// A displaced parallelogram, ready to be traced. Cheap to copy around: the relief is shared.
 #[derive(Clone, Debug)]
 pub struct ReliefFace {
-    pub(crate) placement: Placement,
-    pub(crate) relief: Arc<Relief>,
-    pub(crate) options: FaceOptions,
+    placement: Placement,
+    relief: Arc<Relief>,
+    options: FaceOptions,
     bounds: Aabb,
 }
 
@@ -182,23 +148,10 @@ impl ReliefFace {
     fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
         let heights = self.relief.heights();
         let map_ray = self.placement.map_ray(heights, ray, self.options.closed)?;
-        let crossing = trace::first_crossing(self, &map_ray, ray.from.is_some(), probe)?;
+        let trace =
+            Trace { placement: &self.placement, relief: &self.relief, options: &self.options };
+        let crossing = trace.first_crossing(&map_ray, ray.from.is_some(), probe)?;
         (crossing.t <= ray.t_max).then_some(crossing)
-    }
-
-    /// Which crossings of the raw surface are hits.
-    pub(crate) fn admitted(&self) -> Crossings {
-        match (self.options.one_sided, self.options.displacement.scale > 0.0) {
-            (false, _) => Crossings::Both,
-            (true, true) => Crossings::Downward,
-            (true, false) => Crossings::Upward,
-        }
-    }
-
-    /// Whether the surface may jump where two tiles meet.
-    pub(crate) fn has_seams(&self) -> bool {
-        let x = self.relief.heights().x();
-        (x.lattice(), x.wrap()) == (Lattice::Vertex, Wrap::Repeat)
     }
 
     /// World-space account of a crossing.
@@ -209,8 +162,9 @@ impl ReliefFace {
         let offset = self.placement.offset(crossing.raw);
         let (part, geometric_normal, shading_normal) = match crossing.place {
             Place::Cell { cell, local } => {
-                let geometric = self.geometric_normal(cell, local);
-                let shading = self.shading_normal(cell, local, geometric);
+                let at = Shading { placement: &self.placement, heights, cell, local };
+                let geometric = at.geometric_normal();
+                let shading = at.shading_normal(&self.options.normals, geometric);
                 (Part::Cell(cell[0], cell[1]), geometric, shading)
             }
             Place::Wall(wall) => {

@@ -28,6 +28,7 @@ mod face;
 mod leaf;
 mod map_ray;
 mod method;
+mod options;
 mod placement;
 mod refine;
 mod shading;
@@ -38,9 +39,9 @@ mod walk;
 use crate::map::{DistanceKind, DistanceMap, HeightMap, Pyramid};
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
-pub use face::{Displacement, FaceError, FaceOptions, ReliefFace};
+pub use face::{FaceError, ReliefFace};
 pub use method::{Method, UnknownMethod};
-pub use shading::ShadingNormals;
+pub use options::{Displacement, FaceOptions, ShadingNormals};
 
 /// A height map with what was derived from it; one relief serves any number of faces.
 #[derive(Clone, Debug)]

@@ -9,9 +9,9 @@ use glam::{DMat3, DVec3};
 use crate::map::HeightMap;
 use crate::ray::{Origin, Part, Ray, Wall};
 
-use super::face::Displacement;
 use super::leaf;
 use super::map_ray::{ExactRay, MapRay, Window};
+use super::options::Displacement;
 
 /// A height map laid on a parallelogram.
 #[derive(Clone, Debug)]

@@ -1,16 +1,18 @@
 //! The walk over the tiles of a face: what all methods share around their own walk.
 
-use crate::map::{DistanceKind, HeightMap};
+use crate::map::{DistanceKind, HeightMap, Lattice, Wrap};
 use crate::probe::Probe;
 use crate::ray::Wall;
 
+use super::Relief;
 use super::approximate::{ApproximateHit, Segment};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
-use super::face::ReliefFace;
-use super::leaf::LeafHit;
+use super::leaf::{Crossings, LeafHit};
 use super::map_ray::MapRay;
 use super::method::Method;
+use super::options::FaceOptions;
+use super::placement::Placement;
 use super::refine::refine;
 use super::tile::Tile;
 use super::walk::walk_pyramid;
@@ -51,55 +53,80 @@ enum Met {
     },
 }
 
-/// The first crossing of a face along a ray.
-pub(crate) fn first_crossing<P: Probe>(
-    face: &ReliefFace,
-    ray: &MapRay,
-    spawned: bool,
-    probe: &mut P,
-) -> Option<Crossing> {
-    let heights = face.relief.heights();
-    if !face.options.method.is_exact() {
-        let hit = first_approximate(face, ray, spawned, probe)?;
-        return Some(approximate_crossing(face, ray, hit));
+/// A face as its rays see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Trace<'a> {
+    pub placement: &'a Placement,
+    pub relief: &'a Relief,
+    pub options: &'a FaceOptions,
+}
+
+impl Trace<'_> {
+    /// Which crossings of the raw surface are hits.
+    fn admitted(&self) -> Crossings {
+        match (self.options.one_sided, self.options.displacement.scale > 0.0) {
+            (false, _) => Crossings::Both,
+            (true, true) => Crossings::Downward,
+            (true, false) => Crossings::Upward,
+        }
     }
-    let (met, rising) = (first_met(face, ray, probe)?, face.options.displacement.scale > 0.0);
-    let exact = &ray.exact;
-    Some(match met {
-        Met::Surface(LeafHit { s, cell, from_above }) => {
-            let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
-            let root = refine(exact, heights, &face.placement.window, cell, f64::from(s));
-            Crossing {
-                t: exact.t_start + root.s * exact.t_length,
-                lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
-                raw: root.raw,
-                error: root.error,
-                front: from_above == rising,
-                place: Place::Cell { cell: root.cell, local: root.local },
-            }
+
+    /// Whether the surface may jump where two tiles meet.
+    fn has_seams(&self) -> bool {
+        let x = self.relief.heights().x();
+        (x.lattice(), x.wrap()) == (Lattice::Vertex, Wrap::Repeat)
+    }
+
+    /// The first crossing along a ray. `spawned` rays start on this very surself.
+    pub fn first_crossing<P: Probe>(
+        &self,
+        ray: &MapRay,
+        spawned: bool,
+        probe: &mut P,
+    ) -> Option<Crossing> {
+        let heights = self.relief.heights();
+        if !self.options.method.is_exact() {
+            let hit = first_approximate(self, ray, spawned, probe)?;
+            return Some(approximate_crossing(self, ray, hit));
         }
-        Met::Wall { wall, s, from_above } => {
-            let (axis, line) = face.placement.wall_line(wall);
-            let towards = line - exact.origin[axis];
-            let refined = towards / exact.direction[axis];
-            let s = if refined.is_finite() { refined.max(0.0) } else { f64::from(s) };
-            let at = |k: usize| exact.origin[k] + s * exact.direction[k];
-            let mut lattice = [at(0), at(1)];
-            lattice[axis] = line;
-            Crossing {
-                t: exact.t_start + s * exact.t_length,
-                lattice,
-                raw: at(2),
-                error: 0.0,
-                front: from_above == rising,
-                place: Place::Wall(wall),
+        let (met, rising) = (first_met(self, ray, probe)?, self.options.displacement.scale > 0.0);
+        let exact = &ray.exact;
+        Some(match met {
+            Met::Surface(LeafHit { s, cell, from_above }) => {
+                let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
+                let root = refine(exact, heights, &self.placement.window, cell, f64::from(s));
+                Crossing {
+                    t: exact.t_start + root.s * exact.t_length,
+                    lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
+                    raw: root.raw,
+                    error: root.error,
+                    front: from_above == rising,
+                    place: Place::Cell { cell: root.cell, local: root.local },
+                }
             }
-        }
-    })
+            Met::Wall { wall, s, from_above } => {
+                let (axis, line) = self.placement.wall_line(wall);
+                let towards = line - exact.origin[axis];
+                let refined = towards / exact.direction[axis];
+                let s = if refined.is_finite() { refined.max(0.0) } else { f64::from(s) };
+                let at = |k: usize| exact.origin[k] + s * exact.direction[k];
+                let mut lattice = [at(0), at(1)];
+                lattice[axis] = line;
+                Crossing {
+                    t: exact.t_start + s * exact.t_length,
+                    lattice,
+                    raw: at(2),
+                    error: 0.0,
+                    front: from_above == rising,
+                    place: Place::Wall(wall),
+                }
+            }
+        })
+    }
 }
 
 /// Walks the tiles front to back; inside each the face's method finds the first crossing.
-fn first_met<P: Probe>(face: &ReliefFace, ray: &MapRay, probe: &mut P) -> Option<Met> {
+fn first_met<P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<Met> {
     let heights = face.relief.heights();
     let (enter, leave) = ray.window_span()?;
     if face.options.closed
@@ -145,7 +172,7 @@ fn first_met<P: Probe>(face: &ReliefFace, ray: &MapRay, probe: &mut P) -> Option
 
 /// The face's method on one tile.
 fn walk_tile<P: Probe>(
-    face: &ReliefFace,
+    face: &Trace<'_>,
     ray: &MapRay,
     tile: &Tile,
     part: [f32; 2],
@@ -167,18 +194,18 @@ fn walk_tile<P: Probe>(
 }
 
 /// The wall between what lies before a line and what lies behind it, if the ray meets it there.
-fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &ReliefFace) -> Option<Met> {
+fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &Trace<'_>) -> Option<Met> {
     let from_above = before >= 0.0;
     let crosses = from_above != (behind >= 0.0);
     (crosses && face.admitted().admits(from_above)).then_some(Met::Wall { wall, s, from_above })
 }
 
 /// Gap above offset 0, which the border's walls go down to.
-fn gap_to_base(face: &ReliefFace, ray: &MapRay, s: f32) -> f32 {
+fn gap_to_base(face: &Trace<'_>, ray: &MapRay, s: f32) -> f32 {
     ray.z(s) - face.placement.raw_zero as f32
 }
 
-fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
+fn entry_wall(face: &Trace<'_>, ray: &MapRay, s: f32) -> Option<Met> {
     let heights = face.relief.heights();
     let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
     let behind = tile.gap_at_enter(heights, ray);
@@ -187,7 +214,7 @@ fn entry_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
     wall_between(wall, s, gap_to_base(face, ray, s), behind, face)
 }
 
-fn exit_wall(face: &ReliefFace, ray: &MapRay, s: f32) -> Option<Met> {
+fn exit_wall(face: &Trace<'_>, ray: &MapRay, s: f32) -> Option<Met> {
     let heights = face.relief.heights();
     let tile = Tile::new(heights, ray, [ray.cell_before(0, s), ray.cell_before(1, s)]);
     let before = tile.gap_at_leave(heights, ray);
@@ -208,7 +235,7 @@ fn border(axis: usize, low: bool) -> Wall {
 
 /// The wall between a tile and the one that begins at `cell`, across the lines `crossed`.
 fn seam_wall(
-    face: &ReliefFace,
+    face: &Trace<'_>,
     ray: &MapRay,
     tile: &Tile,
     (cell, crossed): ([i32; 2], [bool; 2]),
@@ -224,7 +251,7 @@ fn seam_wall(
 
 /// The two approximate methods.
 fn first_approximate<P: Probe>(
-    face: &ReliefFace,
+    face: &Trace<'_>,
     ray: &MapRay,
     spawned: bool,
     probe: &mut P,
@@ -245,7 +272,7 @@ fn first_approximate<P: Probe>(
     face.admitted().admits(hit.from_above).then_some(hit)
 }
 
-fn approximate_crossing(face: &ReliefFace, ray: &MapRay, hit: ApproximateHit) -> Crossing {
+fn approximate_crossing(face: &Trace<'_>, ray: &MapRay, hit: ApproximateHit) -> Crossing {
     let exact = &ray.exact;
     let at = |k: usize| exact.origin[k] + hit.s * exact.direction[k];
     let (x, y) = (at(0), at(1));
