@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     match result {
         Ok(outcome) => ExitCode::from(outcome.code()),
         Err(failure) => {
-            progress::say(format_args!("error: {failure}"));
+            report::say(format_args!("error: {failure}"));
             ExitCode::from(failure.code())
         }
     }

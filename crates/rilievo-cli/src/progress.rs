@@ -1,12 +1,12 @@
 //! [`Progress`]: how far work is, on standard error: a bar on a terminal, lines elsewhere.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::report::duration;
+use crate::report::{duration, say};
 
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
@@ -104,9 +104,4 @@ impl Lines {
         let left = self.start.elapsed().as_secs_f64() * (1.0 - share) / share;
         say(format_args!("{}: {:.0} %, {} left", self.what, 100.0 * share, duration(left)));
     }
-}
-
-/// A line on standard error; if that is closed there is nobody to tell.
-pub fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use crate::args::Talk;
 use crate::outcome::Failure;
-use crate::progress::say;
 
 impl Talk {
     /// A line for people.
@@ -31,6 +30,11 @@ impl Talk {
             _ => Ok(()),
         }
     }
+}
+
+/// A line on standard error; if that is closed there is nobody to tell.
+pub fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// Bytes with a binary unit: `1.5 MiB`.

@@ -23,6 +23,7 @@ mod jpeg;
 mod normal;
 mod pfm;
 mod png;
+mod read_channels;
 mod source;
 mod tiff;
 mod write_exr;

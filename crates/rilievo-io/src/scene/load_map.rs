@@ -6,7 +6,7 @@ use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric
 use rilievo::relief::{Method, Relief};
 
 use super::file::{MapEntry, MapSource, SceneFile};
-use super::resolve::{DistanceBuild, LoadOptions, referenced};
+use super::options::{DistanceBuild, LoadOptions};
 use super::syntax::Located;
 use crate::error::{Error, Place, Result};
 use crate::image::HeightOptions;
@@ -100,7 +100,7 @@ fn heights(file: &SceneFile, entry: &MapEntry, limits: &Limits) -> Result<Height
             let options =
                 HeightOptions { lattice: entry.lattice, wrap: entry.wrap, invert: *invert };
             let path = file.beside(&name.value);
-            options.read(&path, limits).map_err(|e| referenced(file, name, "map", e))
+            options.read(&path, limits).map_err(|e| file.referenced(name, "map", e))
         }
         MapSource::Procedural { shape, size, codes } => {
             let [width, height] = size.value;
@@ -127,7 +127,7 @@ fn read_baked(
 ) -> Result<DistanceMap> {
     let path = file.beside(&name.value);
     let baked = BakedMap::read(&path, limits);
-    let baked = baked.map_err(|e| referenced(file, name, "distance.file", e))?;
+    let baked = baked.map_err(|e| file.referenced(name, "distance.file", e))?;
     let allowed = "a distance map baked from this map, with this grid and wrap";
     let BakedContent::Distances(map) = baked.content else {
         return Err(fault(file, &name.at, "distance.file", "another kind of baked map", allowed));

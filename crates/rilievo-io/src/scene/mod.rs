@@ -22,8 +22,10 @@
 
 mod file;
 mod load_map;
+mod options;
 mod resolve;
 mod syntax;
 
 pub use file::SceneFile;
-pub use resolve::{DistanceBuild, LoadOptions, LoadedMap, LoadedScene};
+pub use options::{DistanceBuild, LoadOptions};
+pub use resolve::{LoadedMap, LoadedScene};

@@ -5,7 +5,6 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rilievo::map::DistanceKind;
 use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
@@ -16,42 +15,11 @@ use super::file::{
     Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape,
 };
 use super::load_map::{self, Face, Needs};
+use super::options::LoadOptions;
 use super::syntax::{Located, hint};
 use crate::error::{Error, Result};
 use crate::image::{NormalOptions, read_colour};
-use crate::limits::Limits;
 use crate::mesh::read_obj;
-
-/// How a scene is loaded.
-#[derive(Clone, Copy)]
-pub struct LoadOptions<'a> {
-    /// What each file may need.
-    pub limits: Limits,
-    /// Walks every relief, whatever the scene says.
-    pub method: Option<Method>,
-    /// Told of every distance map before it is built: that may take a while.
-    pub building: &'a dyn Fn(&DistanceBuild<'_>),
-}
-
-impl Default for LoadOptions<'_> {
-    /// The scene's own methods, default limits, nobody told.
-    fn default() -> Self {
-        Self { limits: Limits::default(), method: None, building: &|_| {} }
-    }
-}
-
-/// A distance map that is about to be built.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DistanceBuild<'a> {
-    /// The name of its height map in the scene.
-    pub map: &'a str,
-    /// Its kind.
-    pub kind: DistanceKind,
-    /// Voxels or nodes along x, y and z.
-    pub size: [u32; 3],
-    /// Stored cells of the height map along x and y.
-    pub cells: [u32; 2],
-}
 
 /// A scene with its maps, ready to be rendered.
 #[derive(Debug)]
@@ -169,18 +137,6 @@ impl SceneFile {
     }
 }
 
-/// `name`, in the role of `what`, could not be read.
-pub(super) fn referenced(
-    file: &SceneFile,
-    name: &Located<String>,
-    what: &str,
-    source: Error,
-) -> Error {
-    let found = format!("\"{}\" cannot be used", name.value);
-    let fault = file.document().fault(&name.at, what, found, "");
-    Error::Reference { fault: Box::new(fault), source: Box::new(source) }
-}
-
 /// The materials in use, and which shape uses which.
 struct Used {
     /// Places in the scene's list; none is the default material.
@@ -266,7 +222,7 @@ impl<'a> Loader<'a> {
             Shape::Mesh { file, world_from_object } => {
                 let path = self.file.beside(&file.value);
                 let mesh = read_obj(&path, &self.options.limits)
-                    .map_err(|e| referenced(self.file, file, "mesh", e))?;
+                    .map_err(|e| self.file.referenced(file, "mesh", e))?;
                 let Some(place) = world_from_object else { return Ok(mesh.into()) };
                 let mesh = mesh.transformed(place.value).map_err(|e| {
                     let allowed = "a transform that can be inverted, numbers up to 1e100";
@@ -306,7 +262,7 @@ impl<'a> Loader<'a> {
                 let (lattice, wrap) = (x.lattice(), x.wrap());
                 let options = NormalOptions { convention: *convention, lattice, wrap };
                 let map = options.read(&self.file.beside(&file.value), &self.options.limits);
-                let map = map.map_err(|e| referenced(self.file, file, "normals", e))?;
+                let map = map.map_err(|e| self.file.referenced(file, "normals", e))?;
                 ShadingNormals::Map(Arc::new(map))
             }
         })
@@ -321,7 +277,7 @@ impl<'a> Loader<'a> {
                     Some(image) => Arc::clone(image),
                     None => {
                         let image = read_colour(&path, &self.options.limits)
-                            .map_err(|e| referenced(self.file, &texture.file, "texture", e))?;
+                            .map_err(|e| self.file.referenced(&texture.file, "texture", e))?;
                         let image = Arc::new(image);
                         self.images.insert(path, Arc::clone(&image));
                         image

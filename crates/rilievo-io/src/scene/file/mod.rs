@@ -97,6 +97,13 @@ impl SceneFile {
         Ok(file)
     }
 
+    /// The file `name`, in the role of `what`, could not be used.
+    pub(super) fn referenced(&self, name: &Located<String>, what: &str, source: Error) -> Error {
+        let found = format!("\"{}\" cannot be used", name.value);
+        let fault = self.document().fault(&name.at, what, found, "");
+        Error::Reference { fault: Box::new(fault), source: Box::new(source) }
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

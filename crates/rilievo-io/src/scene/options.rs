@@ -1,0 +1,37 @@
+//! How a scene is loaded, and what its loading tells on the way.
+
+use rilievo::map::DistanceKind;
+use rilievo::relief::Method;
+
+use crate::limits::Limits;
+
+/// How a scene is loaded.
+#[derive(Clone, Copy)]
+pub struct LoadOptions<'a> {
+    /// What each file may need.
+    pub limits: Limits,
+    /// Walks every relief, whatever the scene says.
+    pub method: Option<Method>,
+    /// Told of every distance map before it is built: that may take a while.
+    pub building: &'a dyn Fn(&DistanceBuild<'_>),
+}
+
+impl Default for LoadOptions<'_> {
+    /// The scene's own methods, default limits, nobody told.
+    fn default() -> Self {
+        Self { limits: Limits::default(), method: None, building: &|_| {} }
+    }
+}
+
+/// A distance map that is about to be built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DistanceBuild<'a> {
+    /// The name of its height map in the scene.
+    pub map: &'a str,
+    /// Its kind.
+    pub kind: DistanceKind,
+    /// Voxels or nodes along x, y and z.
+    pub size: [u32; 3],
+    /// Stored cells of the height map along x and y.
+    pub cells: [u32; 2],
+}
