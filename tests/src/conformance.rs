@@ -75,7 +75,9 @@ pub fn check(entries: &[Entry], plan: &Plan) -> Report {
         // A failed write of a progress line must not fail the suite.
         let _ = writeln!(std::io::stderr(), "{report}");
         if report.failed() {
-            failures += &report.details();
+            let details = report.details();
+            let _ = writeln!(std::io::stderr(), "{details}");
+            failures += &details;
         }
         total = total.merge(report);
     }
