@@ -5,8 +5,9 @@
 
 use std::io::Write;
 
+use rilievo::Ray;
 use rilievo::relief::Method;
-use rilievo_tests::conformance::{Plan, TOLERANCE, check};
+use rilievo_tests::conformance::{Plan, Sides, TOLERANCE, check, difference};
 use rilievo_tests::kernel::{self, DDA, DISTANCE, DISTANCE_CORRECTED, PYRAMID};
 use rilievo_tests::random::Random;
 use rilievo_tests::rays::Family;
@@ -65,4 +66,36 @@ fn the_published_method_reports_points_near_a_smooth_surface() {
 fn the_published_method_misses_at_studs() {
     let tally = approximate(Method::DistancePublished, "studs 64");
     assert!(tally.hits > 1000 && tally.missed > 0, "{tally:?}");
+}
+
+/// Rays aimed exactly at samples, from behind and from the front, of a face with one side: slivers of
+/// neighbouring cells saw a crossing of the wrong sign there, or the only one of the right sign.
+#[test]
+fn one_sided_faces_are_met_exactly_at_their_samples() {
+    let scene = scenes::named("fbm 129 x 65 floats, Texel Clamp, one-sided closed");
+    let oracle = scene.oracle();
+    let face = kernel::face(&scene, Method::Pyramid);
+    for (origin, direction) in [
+        (
+            [1.1735180484196936, -0.4687699256563838, -0.1460397385096523],
+            [-0.2821836164747158, 0.9377171359517018, 0.20263015455698624],
+        ),
+        (
+            [-0.18145903554751452, 1.4212686902534335, -0.8437198481286026],
+            [0.6063004482891685, -0.27220682847070055, 0.7471969010497005],
+        ),
+        (
+            [0.39658264365615936, 0.9840929238787615, -0.15287735033573985],
+            [0.4330832249053578, -0.5265735722995231, 0.7315457560954708],
+        ),
+        (
+            [0.46487350113736503, 0.9214245143796855, 0.8248927508756227],
+            [0.7347955720359539, 0.3997128017506172, -0.5480010432773165],
+        ),
+    ] {
+        let ray = Ray::new(origin.into(), direction.into());
+        let answer = face.closest(&ray, &mut ());
+        let differs = difference(&oracle, &answer, &oracle.closest(&ray), Sides::Same);
+        assert!(differs.is_none(), "{differs:?} for {ray:?}: {answer:?}");
+    }
 }

@@ -78,9 +78,6 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    /// No border anywhere.
-    pub const ALL: Self = Self { lo: [f64::NEG_INFINITY; 2], hi: [f64::INFINITY; 2] };
-
     /// Largest magnitude of a coordinate.
     pub fn farthest(&self) -> f64 {
         self.lo.iter().chain(&self.hi).fold(0.0, |far, x| far.max(x.abs()))

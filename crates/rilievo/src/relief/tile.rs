@@ -104,10 +104,8 @@ impl Tile {
         admit: Crossings,
     ) -> Option<LeafHit> {
         let hit = span.intersect(ray, cell, &self.corners(map, cell), admit)?;
-        let confirmed = admit == Crossings::Both || {
-            let cell = [0, 1].map(|axis| ray.unfolded(axis, cell[axis]));
-            refine::crosses(&ray.exact, map, cell, (f64::from(hit.s), hit.from_above))
-        };
+        let confirmed = admit == Crossings::Both
+            || refine::crosses(&ray.exact, map, f64::from(hit.s), hit.from_above);
         confirmed.then_some(hit)
     }
 
