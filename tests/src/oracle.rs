@@ -5,7 +5,7 @@
 //! `w = scale * (H(u tile + shift) - zero)`; `H` is bilinear between samples. A ray is taken to
 //! *lattice coordinates* `(x, y, w)`: x and y count cells, w is the offset in scene units. That
 //! map is affine, so `t` is the same on both sides, and in it a cell is the graph of
-//! `a + b x + c y + d x y`: the ray meets it where a quadratic in `t` vanishes ([`cell`]).
+//! `a + b x + c y + d x y`: the ray meets it where a quadratic in `t` vanishes (`cell`).
 //!
 //! The corner `c0` is subtracted before anything else, so a face far from the origin keeps the
 //! digits its corners and the ray have.
