@@ -30,9 +30,10 @@ pub fn seconds(s: f64) -> String {
     }
 }
 
-/// Bytes in MiB.
+/// Bytes in MiB, with two digits at least.
 pub fn mebibytes(bytes: f64) -> String {
-    format!("{:.1} MiB", bytes / f64::from(1 << 20))
+    let mebi = bytes / f64::from(1 << 20);
+    if mebi < 1.0 { format!("{mebi:.2} MiB") } else { format!("{mebi:.1} MiB") }
 }
 
 #[cfg(test)]
@@ -49,6 +50,9 @@ mod tests {
     #[test]
     fn numbers_keep_two_digits() {
         assert_eq!([0.0, 1.234, 61.7].map(seconds), ["< 0.01", "1.23", "62"]);
-        assert_eq!(mebibytes(1.5 * 1024.0 * 1024.0), "1.5 MiB");
+        assert_eq!(
+            [1.5, 0.043].map(|mebi| mebibytes(mebi * 1024.0 * 1024.0)),
+            ["1.5 MiB", "0.04 MiB"]
+        );
     }
 }
