@@ -2,8 +2,8 @@
 //!
 //! One thread, processor time, face 1 x 1 and depth 1: the depth at which a distance map has most to
 //! tell, and the brute force most to look at. It looks at all samples within reach of each node, so
-//! twice the side costs sixteen times the work; sizes are doubled as long as the next one is expected
-//! to end within [`MOST_SECONDS`].
+//! its work grows with the fourth power of the side. Sides are doubled, and at last made half as
+//! long again, as long as the next is expected to end within [`MOST_SECONDS`].
 
 use std::path::Path;
 
@@ -45,7 +45,7 @@ pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
     let mut published = Table::new(&["map, size", "`published`, CPU s", "`boxes`, CPU s", "ratio"]);
     let most = if studio.quick { 4.0 } else { MOST_SECONDS };
     for shape in Shape::ALL {
-        let mut side = 64;
+        let mut side = if studio.quick { 64 } else { 128 };
         loop {
             let took = bake(studio, (shape, side), "published")?;
             let beside = bake(studio, (shape, side), "boxes")?;
@@ -53,16 +53,22 @@ pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
                 format!("{}, {side} x {side} x {DEPTH}", shape.name()),
                 seconds(took),
                 seconds(beside),
-                format!("{:.0}", took / beside.max(1e-3)),
+                ratio(took, beside),
             ]);
-            if 16.0 * took > most {
-                break;
-            }
-            side *= 2;
+            side = match took {
+                s if s * 2f64.powi(4) <= most => side * 2,
+                s if s * 1.5f64.powi(4) <= most => side * 3 / 2,
+                _ => break,
+            };
         }
     }
     studio.write("docs/METHODS.md", "boxes-times", &boxes.markdown())?;
     studio.write("docs/METHODS.md", "published-times", &published.markdown())
+}
+
+/// How many times as long; unknown where the shorter time is below what the clock can tell.
+fn ratio(long: f64, short: f64) -> String {
+    if short < 0.002 { "unknown".to_owned() } else { format!("{:.0}", long / short) }
 }
 
 /// Processor seconds of one distance map over a map of the same resolution, the mean of a few runs.
@@ -80,4 +86,15 @@ fn bake(studio: &Studio<'_>, (shape, side): (Shape, u32), kind: &str) -> Result<
         runs += 1;
     }
     Ok(total / f64::from(runs))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_need_times_that_can_be_told() {
+        assert_eq!(ratio(3.0, 0.01), "300");
+        assert_eq!(ratio(3.0, 0.0), "unknown");
+    }
 }
