@@ -16,7 +16,7 @@ const TURNS: u32 = 64;
 
 /// Directions within [`NUDGE`] of `direction` and of its length: the one towards the point
 /// `answer` (as seen from the ray's origin) and cones around it, if that is near enough, then
-/// cones around `direction`. Each cone has directions exactly up and down along `normal`.
+/// cones around `direction`, then fine steps exactly up and down along `normal`.
 pub fn nudged(
     direction: DVec3,
     answer: Option<DVec3>,
@@ -32,7 +32,12 @@ pub fn nudged(
         direction.cross(*turned).length() <= NUDGE * length * length && direction.dot(*turned) > 0.0
     };
     let around = (0..8).flat_map(move |k| cone(direction, normal, NUDGE * 0.999 * 0.5f64.powi(k)));
-    aimed.chain(around).filter(near)
+    // Gliding along a surface the answer runs away fast: fine steps up and down.
+    let fine = (0..80).flat_map(move |k| {
+        let angle = NUDGE * 0.999 * 0.88f64.powi(k);
+        [-angle, angle].into_iter().filter_map(move |a| cone(direction, normal, a).next())
+    });
+    aimed.chain(around).chain(fine).filter(near)
 }
 
 /// Directions turned from `axis` by `angle`, a small one; the first of them towards `normal`.

@@ -195,8 +195,9 @@ fn walk_tile<P: Probe>(
 
 /// The wall between what lies before a line and what lies behind it, if the ray meets it there.
 fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &Trace<'_>) -> Option<Met> {
-    let from_above = before >= 0.0;
-    let crosses = from_above != (behind >= 0.0);
+    // The rim itself belongs to the wall.
+    let from_above = before > 0.0;
+    let crosses = from_above != (behind > 0.0);
     (crosses && face.admitted().admits(from_above)).then_some(Met::Wall { wall, s, from_above })
 }
 
