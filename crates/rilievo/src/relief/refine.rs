@@ -62,6 +62,22 @@ pub(crate) fn refine(
     if next.beyond.is_none() { next.root } else { home.root }
 }
 
+/// Whether the unrounded ray starts beyond the crossing of `cell` that the walk found near `s0`: on
+/// its far side, with no root of the cell's patch after the start. Then the walk saw the rounding of
+/// the start, and there is no crossing.
+pub(crate) fn starts_beyond(
+    ray: &ExactRay,
+    heights: &HeightMap,
+    cell: [i32; 2],
+    (s0, from_above): (f64, bool),
+) -> bool {
+    let [x, y, z] = ray.origin;
+    let gap = z - heights.raw_at_lattice(x, y);
+    let beyond = if from_above { gap < 0.0 } else { gap > 0.0 };
+    let window = Window { lo: [f64::NEG_INFINITY; 2], hi: [f64::INFINITY; 2] };
+    beyond && Patch::new(heights, &window, cell).root_near(ray, s0).root.s <= 0.0
+}
+
 /// One bilinear cell in double precision.
 struct Patch {
     cell: [i32; 2],
@@ -227,5 +243,13 @@ mod tests {
         let root = refine(&ray, &plane, &window([1.0, 1.0]), [0, 0], 0.999);
         assert_eq!((root.cell, root.local[0]), ([0, 0], 1.0));
         assert!((root.error - 0.25e-6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_start_a_hair_beyond_the_surface_does_not_cross_it() {
+        let plane = map(2, 2, &[0.0; 4]);
+        let start = |z: f64| ray([0.4, 0.3, z], [0.1, 0.1, -0.5]);
+        assert!(starts_beyond(&start(-1e-9), &plane, [0, 0], (0.0, true)));
+        assert!(!starts_beyond(&start(1e-9), &plane, [0, 0], (0.0, true)));
     }
 }

@@ -104,6 +104,13 @@ impl Tile {
         admit: Crossings,
     ) -> Option<LeafHit> {
         let hit = span.intersect(ray, cell, &self.corners(map, cell), admit)?;
+        if span.t0 == 0.0 {
+            let unfolded = [0, 1].map(|axis| ray.unfolded(axis, cell[axis]));
+            if refine::starts_beyond(&ray.exact, map, unfolded, (f64::from(hit.s), hit.from_above))
+            {
+                return None;
+            }
+        }
         let confirmed = admit == Crossings::Both
             || refine::crosses(&ray.exact, map, f64::from(hit.s), hit.from_above);
         confirmed.then_some(hit)
