@@ -1,6 +1,8 @@
 //! The judge and the suites of rilievo: an independent `f64` oracle, and one conformance suite
 //! that every method of tracing joins in one line.
 
+#![forbid(unsafe_code)]
+
 pub mod conformance;
 pub mod image;
 pub mod kernel;

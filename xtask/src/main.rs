@@ -6,6 +6,8 @@
 //!
 //! Exit codes: 0 all is well, 1 something failed, 2 the command line is wrong.
 
+#![forbid(unsafe_code)]
+
 mod ci;
 mod figures;
 mod tidy;

@@ -1,5 +1,7 @@
 //! The command `rilievo`: parse, run, exit code.
 
+#![forbid(unsafe_code)]
+
 mod args;
 mod bake;
 mod check;

@@ -13,6 +13,8 @@
 //! [`Error`] names the file, the place, the value found and the values allowed. What is written
 //! appears under its name whole or not at all: [`atomic`].
 
+#![forbid(unsafe_code)]
+
 pub mod atomic;
 mod error;
 mod guard;

@@ -47,6 +47,8 @@
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
 //! - [`memory`]: what a render will hold.
 
+#![forbid(unsafe_code)]
+
 pub mod colour;
 pub mod film;
 pub mod integrator;
