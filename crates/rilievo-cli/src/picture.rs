@@ -134,6 +134,7 @@ impl Finished<'_> {
             text("rilievo/integrator", settings.integrator.to_string()),
             integer("rilievo/shadowSamples", settings.shadow_samples),
             integer("rilievo/glossySamples", settings.glossy_samples),
+            integer("rilievo/diffuseSamples", settings.diffuse_samples),
             integer("rilievo/maxDepth", settings.max_depth),
             text("rilievo/seed", settings.seed.to_string()),
             integer("rilievo/complete", u32::from(self.film.is_complete())),

@@ -46,13 +46,14 @@ struct Rays {
     camera: u64,
     shadow: u64,
     reflection: u64,
+    diffuse: u64,
     total: u64,
 }
 
 impl From<RayCounts> for Rays {
     fn from(rays: RayCounts) -> Self {
-        let RayCounts { camera, shadow, reflection } = rays;
-        Self { camera, shadow, reflection, total: rays.total() }
+        let RayCounts { camera, shadow, reflection, diffuse } = rays;
+        Self { camera, shadow, reflection, diffuse, total: rays.total() }
     }
 }
 

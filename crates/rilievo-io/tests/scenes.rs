@@ -85,6 +85,7 @@ fn every_key_arrives() {
         samples: 2,
         shadow_samples: 2,
         glossy_samples: 3,
+        diffuse_samples: 2,
         max_depth: 1,
         seed: i64::MAX as u64,
         filter: Filter::Tent,

@@ -70,7 +70,8 @@ fn the_json_object_has_every_key() {
     }
     assert_eq!(json["map_bytes"].as_u64(), Some(32 * 32 * 2));
     let rays = &json["rays"];
-    let kinds = ["camera", "shadow", "reflection"].map(|kind| rays[kind].as_u64().unwrap());
+    let kinds =
+        ["camera", "shadow", "reflection", "diffuse"].map(|kind| rays[kind].as_u64().unwrap());
     assert!(kinds.iter().all(|&n| n > 0), "{kinds:?}");
     assert_eq!(rays["total"].as_u64(), Some(kinds.iter().sum()));
     assert_eq!(json["complete"].as_bool(), Some(true));

@@ -107,6 +107,7 @@ resolution = [48, 40]
 samples = 4
 shadow_samples = 2
 glossy_samples = 2
+diffuse_samples = 1
 
 [maps.noise]
 file = "map.png"

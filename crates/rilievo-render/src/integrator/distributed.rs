@@ -2,16 +2,19 @@
 //!
 //! The radiance that leaves a hit towards the viewer is
 //!
-//! `emitted + diffuse * ambient + diffuse / pi * sum over lights of E + reflective * R`
+//! `emitted + diffuse * (ambient + sum over lights of E / pi + B) + reflective * R`
 //!
 //! with `E` the irradiance from a light, estimated by `shadow_samples` stratified points of it with
-//! their visibility, and `R` the mean radiance around the mirror direction, over the lobe of
+//! their visibility, `B` the irradiance over pi that does not come straight from lights, estimated
+//! by `diffuse_samples` bounce rays of cosine-weighted directions, and `R` the mean radiance around the mirror direction, over the lobe of
 //! [`warp::square_to_visible_normal`] (`alpha = roughness^2`). A mirror takes one ray; a glossy
-//! first hit takes `glossy_samples`; later glossy hits take one, so that the tree of rays grows
-//! with the depth only linearly. Lights show in glossy surfaces because reflection rays meet them.
+//! first hit takes `glossy_samples` and a diffuse one `diffuse_samples`; later hits take one of
+//! each, so that the tree of rays grows with the depth only linearly if surfaces are of one kind.
+//! Lights show in glossy surfaces because reflection rays meet them; a bounce ray that meets a light
+//! brings nothing from it, `E` has counted it.
 //!
-//! Left out, as in the paper: diffuse interreflection, light from the background on diffuse
-//! surfaces, light from mirrors onto diffuse surfaces.
+//! Left out, as in the paper, while `diffuse_samples` is 0: diffuse interreflection, light from the
+//! background, from emitters that are no lights, and from mirrors onto diffuse surfaces.
 //!
 //! Two normals: the geometric one decides on which side of the surface a direction lies and rays
 //! are spawned by it; the shading one weighs light and carries the lobe. A reflected direction that
@@ -26,7 +29,7 @@ use super::RayCounts;
 use crate::colour::Rgb;
 use crate::light::Light;
 use crate::sampler::{Dimension, Sampler, Strand, warp};
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 
 /// A place in the tree of rays of a pixel.
 #[derive(Clone, Copy)]
@@ -35,6 +38,29 @@ pub(super) struct Path {
     pub(super) strand: Strand,
     /// Bounces before.
     pub(super) depth: u32,
+    /// Whether the last bounce was diffuse: the light of lights is counted then.
+    lit: bool,
+}
+
+impl Path {
+    /// The path of a camera ray.
+    pub(super) fn from_camera(strand: Strand) -> Self {
+        Self { strand, depth: 0, lit: false }
+    }
+}
+
+/// Rays with which a path goes on from a hit.
+#[derive(Clone, Copy)]
+struct Split {
+    reflection: u32,
+    diffuse: u32,
+}
+
+impl Split {
+    /// All of them: each continues a strand of its own.
+    fn total(self) -> u32 {
+        self.reflection + self.diffuse
+    }
 }
 
 /// The two normals of a hit, turned to the side the viewer is on.
@@ -69,18 +95,71 @@ impl<'a> Distributed<'a> {
         };
         let material = self.scene.material(hit.surface);
         let facing = Facing::of(hit);
-        let mut radiance = if hit.front { material.emitted } else { Rgb::ZERO };
+        let mut radiance = Rgb::ZERO;
+        if hit.front && material.emits() && !(path.lit && self.scene.is_light(hit.surface)) {
+            radiance = material.emitted;
+        }
         let diffuse = material.diffuse.at(hit.uv);
+        let split = self.split(material, diffuse, path);
         if diffuse != Rgb::ZERO {
             let irradiance = self.irradiance(hit, &facing, path);
-            radiance += diffuse * (self.scene.ambient() + FRAC_1_PI * irradiance);
+            let mut incoming = self.scene.ambient() + FRAC_1_PI * irradiance;
+            if split.diffuse > 0 {
+                incoming += self.bounce(hit, &facing, split, path);
+            }
+            radiance += diffuse * incoming;
         }
-        if material.reflective != Rgb::ZERO && path.depth < self.scene.settings().max_depth {
+        if split.reflection > 0 {
             let view = -ray.direction.normalize();
             let alpha = material.roughness * material.roughness;
-            radiance += material.reflective * self.reflection(hit, &facing, (view, alpha), path);
+            let mirrored = self.reflection(hit, &facing, (view, alpha), (split, path));
+            radiance += material.reflective * mirrored;
         }
         radiance
+    }
+
+    /// How the path goes on from a hit.
+    fn split(&self, material: &Material, diffuse: Rgb, path: Path) -> Split {
+        let settings = self.scene.settings();
+        if path.depth >= settings.max_depth {
+            return Split { reflection: 0, diffuse: 0 };
+        }
+        let first = path.depth == 0;
+        let reflection = match (material.reflective != Rgb::ZERO, material.roughness > 0.0) {
+            (false, _) => 0,
+            (true, true) if first => settings.glossy_samples,
+            (true, _) => 1,
+        };
+        let diffuse = match diffuse != Rgb::ZERO {
+            false => 0,
+            true if first => settings.diffuse_samples,
+            true => settings.diffuse_samples.min(1),
+        };
+        Split { reflection, diffuse }
+    }
+
+    /// Mean radiance over the cosine-weighted hemisphere, less what comes straight from lights.
+    fn bounce(&mut self, hit: &Hit, facing: &Facing, split: Split, path: Path) -> Rgb {
+        let dimension = Dimension::Bounce { depth: path.depth };
+        let strata = self.sampler.strata(dimension, path.strand.split(0, split.diffuse).count);
+        let (right, up) = facing.shading.any_orthonormal_pair();
+        let mut sum = Rgb::ZERO;
+        for branch in 0..split.diffuse {
+            let u = strata.point(path.strand.split(branch, split.diffuse).index);
+            let local = warp::square_to_hemisphere(u);
+            let direction = local.x * right + local.y * up + local.z * facing.shading;
+            // Like light from there: below the surface there is none.
+            if direction.dot(facing.geometric) <= 0.0 {
+                continue;
+            }
+            let ray = hit.spawn(direction);
+            self.rays.diffuse += 1;
+            let next = self.scene.world().closest(&ray, &mut ());
+            let strand = path.strand.split(split.reflection + branch, split.total());
+            let path = Path { strand, depth: path.depth + 1, lit: true };
+            sum += self.radiance(&ray, next.as_ref(), path);
+        }
+        sum / f64::from(split.diffuse)
     }
 
     /// Irradiance from all lights on the viewer's side of the surface, W/m^2.
@@ -129,11 +208,9 @@ impl<'a> Distributed<'a> {
         hit: &Hit,
         facing: &Facing,
         (view, alpha): (DVec3, f64),
-        path: Path,
+        (split, path): (Split, Path),
     ) -> Rgb {
-        let settings = self.scene.settings();
-        let glossy = alpha > 0.0;
-        let count = if glossy && path.depth == 0 { settings.glossy_samples } else { 1 };
+        let (glossy, count) = (alpha > 0.0, split.reflection);
         let dimension = Dimension::Gloss { depth: path.depth };
         let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let normal = visible_shading_normal(facing, view);
@@ -141,10 +218,9 @@ impl<'a> Distributed<'a> {
         let local_view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal).max(0.0));
         let mut sum = Rgb::ZERO;
         for branch in 0..count {
-            let strand = path.strand.split(branch, count);
             let facet = if glossy {
-                let m =
-                    warp::square_to_visible_normal(strata.point(strand.index), local_view, alpha);
+                let u = strata.point(path.strand.split(branch, count).index);
+                let m = warp::square_to_visible_normal(u, local_view, alpha);
                 m.x * right + m.y * up + m.z * normal
             } else {
                 normal
@@ -153,7 +229,9 @@ impl<'a> Distributed<'a> {
             let ray = hit.spawn(above(reflected, facing.geometric));
             self.rays.reflection += 1;
             let next = self.scene.world().closest(&ray, &mut ());
-            sum += self.radiance(&ray, next.as_ref(), Path { strand, depth: path.depth + 1 });
+            let strand = path.strand.split(branch, split.total());
+            let path = Path { strand, depth: path.depth + 1, lit: false };
+            sum += self.radiance(&ray, next.as_ref(), path);
         }
         sum / f64::from(count)
     }

@@ -14,7 +14,8 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Integrator {
     /// Whitted's recursion with Cook's distributed samples: emission, direct light with soft
-    /// shadows, glossy reflection. No diffuse interreflection, so biased by design.
+    /// shadows, glossy reflection. Diffuse interreflection only where a scene asks for it, so
+    /// biased by design.
     Distributed,
     /// The first hit's geometry only; colour is the albedo under a headlight.
     Aov,
@@ -48,12 +49,14 @@ pub struct RayCounts {
     pub shadow: u64,
     /// From a glossy surface or a mirror.
     pub reflection: u64,
+    /// From a diffuse surface, to what lights it indirectly.
+    pub diffuse: u64,
 }
 
 impl RayCounts {
     /// All rays.
     pub fn total(&self) -> u64 {
-        self.camera + self.shadow + self.reflection
+        self.camera + self.shadow + self.reflection + self.diffuse
     }
 }
 
@@ -62,6 +65,7 @@ impl AddAssign for RayCounts {
         self.camera += other.camera;
         self.shadow += other.shadow;
         self.reflection += other.reflection;
+        self.diffuse += other.diffuse;
     }
 }
 

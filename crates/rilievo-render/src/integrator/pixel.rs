@@ -51,7 +51,7 @@ impl<'a> PixelTracer<'a> {
             let (hit, work) = self.first_hit(&ray, steps);
             radiance += match settings.integrator {
                 Integrator::Distributed => {
-                    let path = Path { strand: Strand { index, count: samples }, depth: 0 };
+                    let path = Path::from_camera(Strand { index, count: samples });
                     Distributed::new(self.scene, sampler, &mut self.rays).radiance(
                         &ray,
                         hit.as_ref(),

@@ -31,6 +31,11 @@ pub enum Dimension {
         /// Bounces before.
         depth: u32,
     },
+    /// The direction of a diffuse bounce.
+    Bounce {
+        /// Bounces before.
+        depth: u32,
+    },
 }
 
 /// The random numbers of one pixel.
@@ -52,6 +57,7 @@ impl Sampler {
             Dimension::Pixel => (0, 0),
             Dimension::Light { depth, light } => (1, u64::from(depth) << 32 | u64::from(light)),
             Dimension::Gloss { depth } => (2, u64::from(depth)),
+            Dimension::Bounce { depth } => (3, u64::from(depth)),
         };
         let (nx, ny) = grid(count.max(1));
         let key = hash(hash(hash(self.key, kind), detail), count);

@@ -24,7 +24,8 @@ pub struct SceneParts {
     pub material_of: Vec<u32>,
     /// The camera.
     pub camera: Camera,
-    /// Radiance seen where a ray meets nothing. It lights no diffuse surface.
+    /// Radiance seen where a ray meets nothing. It lights diffuse surfaces through diffuse bounces
+    /// only.
     pub background: Rgb,
     /// Radiance added to every surface, times its diffuse reflectance.
     pub ambient: Rgb,
@@ -153,6 +154,11 @@ impl Scene {
     /// The lights that are sampled, in the order of their surfaces.
     pub fn lights(&self) -> &[Light] {
         &self.lights
+    }
+
+    /// Whether a surface is among the lights that are sampled.
+    pub(crate) fn is_light(&self, surface: u32) -> bool {
+        self.lights.binary_search_by_key(&surface, Light::surface).is_ok()
     }
 
     /// The camera.

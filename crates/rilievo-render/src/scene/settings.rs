@@ -14,6 +14,9 @@ pub struct RenderSettings {
     pub shadow_samples: u32,
     /// Reflection rays at a glossy first hit, 1 to [`Self::MAX_SPLIT`].
     pub glossy_samples: u32,
+    /// Bounce rays at a diffuse first hit, at most [`Self::MAX_SPLIT`]; 0 leaves diffuse
+    /// interreflection out.
+    pub diffuse_samples: u32,
     /// Bounces after the first hit, at most [`Self::MAX_DEPTH`]; 0 is emission and direct light.
     pub max_depth: u32,
     /// Seed of every random choice.
@@ -29,6 +32,7 @@ impl Default for RenderSettings {
             samples: 16,
             shadow_samples: 4,
             glossy_samples: 4,
+            diffuse_samples: 0,
             max_depth: 5,
             seed: 0,
             filter: Filter::Box,
@@ -53,7 +57,7 @@ pub struct SettingsError {
 impl RenderSettings {
     /// Most camera rays per pixel.
     pub const MAX_SAMPLES: u32 = 1 << 20;
-    /// Most shadow or reflection rays per hit.
+    /// Most shadow, reflection or bounce rays per hit.
     pub const MAX_SPLIT: u32 = 1 << 12;
     /// Most bounces: the recursion must fit a thread's stack.
     pub const MAX_DEPTH: u32 = 256;
@@ -73,6 +77,7 @@ impl RenderSettings {
         within("samples", self.samples, 1, Self::MAX_SAMPLES)?;
         within("shadow_samples", self.shadow_samples, 1, Self::MAX_SPLIT)?;
         within("glossy_samples", self.glossy_samples, 1, Self::MAX_SPLIT)?;
+        within("diffuse_samples", self.diffuse_samples, 0, Self::MAX_SPLIT)?;
         within("max_depth", self.max_depth, 0, Self::MAX_DEPTH)
     }
 }

@@ -27,8 +27,13 @@ fn any_number_of_threads_gives_the_same_bytes() {
     for (integrator, filter) in
         [(Integrator::Distributed, Filter::Gaussian), (Integrator::Aov, Filter::Tent)]
     {
-        let settings =
-            RenderSettings { integrator, filter, samples: 3, ..RenderSettings::default() };
+        let settings = RenderSettings {
+            integrator,
+            filter,
+            samples: 3,
+            diffuse_samples: 2,
+            ..Default::default()
+        };
         let scene = scene(settings);
         let run = |threads| {
             let options = RenderOptions { threads, aovs: &Aov::ALL, ..RenderOptions::default() };

@@ -2,6 +2,7 @@
 
 mod closed_forms;
 mod determinism;
+mod interreflection;
 mod layers;
 mod relief;
 mod scene;

@@ -22,6 +22,7 @@ pub fn emitter(emitted: Rgb) -> Material {
 pub struct Builder {
     surfaces: Vec<Surface>,
     materials: Vec<Material>,
+    background: Rgb,
 }
 
 impl Builder {
@@ -35,6 +36,18 @@ impl Builder {
         self.surfaces.push(Surface::Quad(Quad::new(corners, false).unwrap()));
         self.materials.push(material);
         self
+    }
+
+    /// Adds any surface.
+    pub fn surface(mut self, surface: Surface, material: Material) -> Self {
+        self.surfaces.push(surface);
+        self.materials.push(material);
+        self
+    }
+
+    /// Sets the radiance where a ray meets nothing.
+    pub fn background(self, background: Rgb) -> Self {
+        Self { background, ..self }
     }
 
     /// Adds a sphere.
@@ -57,7 +70,7 @@ impl Builder {
         self
     }
 
-    /// The scene, with black surroundings.
+    /// The scene; its surroundings are black unless said otherwise.
     pub fn scene(self, camera: CameraParts, settings: RenderSettings) -> Scene {
         let material_of = (0..self.surfaces.len() as u32).collect();
         Scene::new(SceneParts {
@@ -65,7 +78,7 @@ impl Builder {
             materials: self.materials,
             material_of,
             camera: Camera::new(camera).unwrap(),
-            background: Rgb::ZERO,
+            background: self.background,
             ambient: Rgb::ZERO,
             settings,
         })

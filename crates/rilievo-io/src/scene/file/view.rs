@@ -89,6 +89,7 @@ impl RenderEntry {
             ("samples", &mut settings.samples, 1..=samples),
             ("shadow_samples", &mut settings.shadow_samples, 1..=split),
             ("glossy_samples", &mut settings.glossy_samples, 1..=split),
+            ("diffuse_samples", &mut settings.diffuse_samples, 0..=split),
             ("max_depth", &mut settings.max_depth, 0..=RenderSettings::MAX_DEPTH),
         ] {
             if let Some(value) = table.get(key) {
