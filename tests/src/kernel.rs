@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rilievo::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, Metric};
+use rilievo::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, Layout, Metric};
 use rilievo::relief::{Displacement, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::{Hit, Ray};
 
@@ -19,12 +19,12 @@ impl Contender for ReliefFace {
     }
 }
 
-/// The relief of a scene's map, with the distance map that `method` needs.
+/// The relief of a scene's map in a layout, with the distance map that `method` needs.
 ///
 /// # Panics
 /// If the library refuses it.
-pub fn relief(scene: &Scene, method: Method) -> Arc<Relief> {
-    let relief = Relief::new(scene.map.clone());
+pub fn relief(scene: &Scene, method: Method, layout: Layout) -> Arc<Relief> {
+    let relief = Relief::with_layout(scene.map.clone(), layout);
     let kind = match method {
         Method::Dda | Method::Pyramid | Method::March => return Arc::new(relief),
         Method::Distance => DistanceKind::Boxes,
@@ -53,6 +53,14 @@ pub fn relief(scene: &Scene, method: Method) -> Arc<Relief> {
 /// # Panics
 /// If the library refuses it.
 pub fn face(scene: &Scene, method: Method) -> ReliefFace {
+    face_as(scene, method, Layout::Default)
+}
+
+/// The face of a scene, traced by `method` over bounds in `layout`.
+///
+/// # Panics
+/// If the library refuses it.
+pub fn face_as(scene: &Scene, method: Method, layout: Layout) -> ReliefFace {
     let place = &scene.place;
     let options = FaceOptions {
         displacement: Displacement {
@@ -66,7 +74,7 @@ pub fn face(scene: &Scene, method: Method) -> ReliefFace {
         closed: place.closed,
         one_sided: place.one_sided,
     };
-    ReliefFace::new(place.corners, relief(scene, method), options).expect("a face")
+    ReliefFace::new(place.corners, relief(scene, method, layout), options).expect("a face")
 }
 
 /// Method `dda`.
@@ -75,6 +83,12 @@ pub const DDA: Entry = Entry { name: "dda", build: |scene| Box::new(face(scene, 
 /// Method `pyramid`.
 pub const PYRAMID: Entry =
     Entry { name: "pyramid", build: |scene| Box::new(face(scene, Method::Pyramid)) };
+
+/// Method `pyramid` over bounds of 8 bits.
+pub const TINY: Entry = Entry {
+    name: "pyramid tiny",
+    build: |scene| Box::new(face_as(scene, Method::Pyramid, Layout::Tiny)),
+};
 
 /// Method `distance`.
 pub const DISTANCE: Entry =

@@ -6,8 +6,8 @@
 
 use proptest::prelude::*;
 use rilievo::map::{
-    DistanceBits, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Lattice, Metric, Pyramid,
-    Wrap,
+    DistanceBits, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Lattice, Layout, Metric,
+    Pyramid, Wrap,
 };
 use rilievo_tests::maps::Shape;
 use rilievo_tests::random::Random;
@@ -105,8 +105,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn pyramid_bounds_hold_every_corner_of_their_cells(map in maps()) {
-        let pyramid = Pyramid::build(&map);
+    fn pyramid_bounds_hold_every_corner_of_their_cells(map in maps(), tiny in any::<bool>()) {
+        let layout = if tiny { Layout::Tiny } else { Layout::Default };
+        let pyramid = Pyramid::build_as(&map, layout);
         for level in 0..pyramid.levels() {
             let side = 4u32 << (2 * level);
             for cy in 0..map.y().cells() {

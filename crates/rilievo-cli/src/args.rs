@@ -9,7 +9,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rilievo::map::{DistanceBits, DistanceKind, Lattice, NormalConvention, NormalKind, Wrap};
+use rilievo::map::{
+    DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
+};
 use rilievo::relief::Method;
 use rilievo_render::{Aov, Integrator};
 
@@ -62,6 +64,10 @@ pub struct RenderArgs {
     /// method needs are built before rendering.
     #[arg(long, value_parser = value::method())]
     pub method: Option<Method>,
+    /// How the bounds of every map are stored: default (0.27 byte a texel) or tiny (0.15) [default:
+    /// each map's own]. The picture does not depend on it.
+    #[arg(long, value_parser = value::layout())]
+    pub layout: Option<Layout>,
     /// What does the work.
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     pub backend: Backend,
@@ -198,6 +204,9 @@ pub struct DistanceArgs {
 pub struct BoundsArgs {
     #[command(flatten)]
     pub files: BakeFiles,
+    /// How bounds are stored.
+    #[arg(long, default_value = "default", value_parser = value::layout())]
+    pub layout: Layout,
 }
 
 #[derive(Debug, Args)]
@@ -207,6 +216,9 @@ pub struct InfoArgs {
     /// Pixels of the render whose memory is predicted [default: the scene's, or 512x512].
     #[arg(long, value_name = "WxH", value_parser = value::resolution)]
     pub resolution: Option<[u32; 2]>,
+    /// How the bounds of that render are stored [default: each map's own, or default].
+    #[arg(long, value_parser = value::layout())]
+    pub layout: Option<Layout>,
     #[command(flatten)]
     pub meaning: MapMeaning,
     #[command(flatten)]
@@ -309,6 +321,7 @@ Examples:
 const BAKE_BOUNDS: &str = "\
 Examples:
   rilievo bake bounds heights.png -o heights-bounds.rlv
+  rilievo bake bounds heights.png -o heights-bounds.rlv --layout tiny
   rilievo bake bounds dem.tif -o dem-bounds.rlv --grid vertex --wrap clamp";
 
 const INFO: &str = "\

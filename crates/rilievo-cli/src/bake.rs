@@ -10,7 +10,7 @@ use rilievo_io::map_file::{BakedContent, BakedMap, BakedNormals, MapSource};
 use serde::Serialize;
 
 use crate::args::value::has_extension;
-use crate::args::{Bake, BakeArgs, BakeFiles, DistanceArgs, FaceSize, NormalArgs};
+use crate::args::{Bake, BakeArgs, BakeFiles, BoundsArgs, DistanceArgs, FaceSize, NormalArgs};
 use crate::name;
 use crate::outcome::{Failure, Outcome};
 use crate::progress::Progress;
@@ -51,7 +51,7 @@ pub fn run(args: &BakeArgs) -> Result<Outcome, Failure> {
     let (files, report) = match &args.what {
         Bake::Normal(args) => (&args.files, normal(args)?),
         Bake::Distance(args) => (&args.files, distance(args)?),
-        Bake::Bounds(args) => (&args.files, bounds(&args.files)?),
+        Bake::Bounds(args) => (&args.files, bounds(args)?),
     };
     let [x, y, z] = report.size;
     files.talk.line(format_args!(
@@ -163,9 +163,10 @@ fn distance(args: &DistanceArgs) -> Result<Report, Failure> {
     Ok(Report::new(kind, &heights, made))
 }
 
-fn bounds(files: &BakeFiles) -> Result<Report, Failure> {
+fn bounds(args: &BoundsArgs) -> Result<Report, Failure> {
+    let files = &args.files;
     let heights = files.heights()?;
-    let (pyramid, build) = files.timed("min-max", || Pyramid::build(&heights));
+    let (pyramid, build) = files.timed("min-max", || Pyramid::build_as(&heights, args.layout));
     let [x, y] = pyramid.cells();
     let size = [x, y, pyramid.levels()];
     let bytes = pyramid.bytes();

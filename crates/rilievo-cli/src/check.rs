@@ -59,7 +59,7 @@ struct SceneReport {
 fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
     let limits = Limits::default();
     let files = SceneFile::read(&args.file, &limits)?.references();
-    let loaded = job::load(&args.file, None, limits, args.talk)?;
+    let loaded = job::load(&args.file, (None, None), limits, args.talk)?;
     // Files that no shape uses are not loaded; they must at least be there.
     for file in &files {
         FileKind::of(file)?;
@@ -92,7 +92,7 @@ fn baked(args: &CheckArgs) -> Result<Outcome, Failure> {
     let values = match &map.content {
         BakedContent::Normals(normals) => normals.texels.len() as u64,
         BakedContent::Distances(map) => map.codes().len() as u64,
-        BakedContent::MinMax(levels) => levels.iter().map(|l| l.max.len() as u64 * 32).sum(),
+        BakedContent::MinMax(levels) => levels.iter().map(values).sum(),
     };
     let mut report =
         Report { readable: true, same_source: None, safe: None, unsafe_values: None, values };
@@ -142,6 +142,11 @@ impl Unsafe {
     fn one(why: impl std::fmt::Display) -> Self {
         Self { count: 1, first: Some(why.to_string()) }
     }
+}
+
+/// Number of bounds in a level: one a lane of maxima and minima.
+fn values(level: &Level) -> u64 {
+    level.nodes.iter().map(|&n| u64::from(n)).product::<u64>() * 32
 }
 
 fn check_distances(map: &DistanceMap, heights: &HeightMap) -> Unsafe {

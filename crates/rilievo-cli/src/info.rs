@@ -76,7 +76,8 @@ impl BakedReport {
             BakedContent::MinMax(levels) => Self {
                 kind: "min-max",
                 size: [samples[0], samples[1], levels.len() as u32],
-                bytes: levels.iter().map(|l| (l.max.len() + l.min.len()) as u64 * 32).sum(),
+                bits: levels.first().map_or(16, |level| level.bounds.layout().bits()),
+                bytes: levels.iter().map(|level| level.bounds.bytes()).sum(),
                 ..plain
             },
         }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::path::Path;
 
-use rilievo::map::DistanceKind;
+use rilievo::map::{DistanceKind, Layout};
 use rilievo::relief::Method;
 use rilievo_io::Limits;
 use rilievo_io::scene::{DistanceBuild, LoadOptions, LoadedScene, SceneFile};
@@ -39,7 +39,7 @@ impl RenderJob {
     pub fn open(args: &RenderArgs) -> Result<Self, Failure> {
         let watch = Stopwatch::start();
         let limits = args.max_memory.map_or_else(Limits::default, |max_bytes| Limits { max_bytes });
-        let loaded = load(&args.scene, args.method, limits, args.talk)?;
+        let loaded = load(&args.scene, (args.method, args.layout), limits, args.talk)?;
         let LoadedScene { scene, tone_map, .. } = loaded;
         let mut settings = *scene.settings();
         settings = RenderSettings {
@@ -96,7 +96,7 @@ impl RenderJob {
 /// Of the scene or any of its files.
 pub fn load(
     path: &Path,
-    method: Option<Method>,
+    (method, layout): (Option<Method>, Option<Layout>),
     limits: Limits,
     talk: Talk,
 ) -> Result<LoadedScene, Failure> {
@@ -106,7 +106,7 @@ pub fn load(
         drop(built.take());
         built.replace(Some(tell_build(build, talk)));
     };
-    Ok(file.load(&LoadOptions { limits, method, building: &building })?)
+    Ok(file.load(&LoadOptions { limits, method, layout, building: &building })?)
 }
 
 /// Says which distance map is being built, and what to expect of it.

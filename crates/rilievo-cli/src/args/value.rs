@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
-use rilievo::map::{DistanceBits, DistanceKind, Lattice, NormalConvention, NormalKind, Wrap};
+use rilievo::map::{
+    DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
+};
 use rilievo::relief::Method;
 use rilievo_render::{Aov, Camera, Integrator, RenderSettings};
 
@@ -74,6 +76,10 @@ fn named<T: Copy + Send + Sync + 'static, const N: usize>(
 
 pub fn method() -> impl TypedValueParser<Value = Method> {
     PossibleValuesParser::new(Method::ALL.map(Method::name)).try_map(|name| name.parse::<Method>())
+}
+
+pub fn layout() -> impl TypedValueParser<Value = Layout> {
+    PossibleValuesParser::new(Layout::ALL.map(Layout::name)).try_map(|name| name.parse::<Layout>())
 }
 
 pub fn integrator() -> impl TypedValueParser<Value = Integrator> {

@@ -1,6 +1,6 @@
 //! A height map as `rilievo info` tells it.
 
-use rilievo::map::{HeightMap, HeightStatistics, Samples, Seam};
+use rilievo::map::{HeightStatistics, Samples, Seam};
 use rilievo::relief::Relief;
 use rilievo_io::Limits;
 use rilievo_io::image::{HeightOptions, ImageInfo, SampleKind, read_image_info};
@@ -73,27 +73,28 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let options =
         HeightOptions { lattice: meaning.grid, wrap: meaning.wrap, invert: meaning.invert };
     let heights = options.read(&args.file, &limits)?;
-    let report = Report::new(&info, heights, args.resolution.unwrap_or(RESOLUTION));
+    let relief = Relief::with_layout(heights, args.layout.unwrap_or_default());
+    let report = Report::new(&info, &relief, args.resolution.unwrap_or(RESOLUTION));
     report.tell(args);
     args.talk.object(&report)
 }
 
 impl Report {
-    fn new(info: &ImageInfo, heights: HeightMap, resolution: [u32; 2]) -> Self {
+    fn new(info: &ImageInfo, relief: &Relief, resolution: [u32; 2]) -> Self {
+        let heights = relief.heights();
         let (low, high) = heights.raw_range();
         let unit = heights.unit();
         let bits = match heights.samples() {
             Samples::U16(_) => 16,
             Samples::F32(_) => 32,
         };
-        let relief = Relief::new(heights);
         let (map_bytes, bounds_bytes) = relief.bytes();
         let film = Film::predicted_bytes(resolution, &[]);
         let memory =
             MemoryUse { heights: map_bytes, bounds: bounds_bytes, film, ..MemoryUse::default() };
         let predicted_bytes = predicted_bytes(&memory, resolution, &PictureKind::Colour);
         // After the prediction: sorting values takes memory that no render needs.
-        let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(relief.heights());
+        let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(heights);
         Self {
             kind: "height map",
             format: info.format.to_string(),

@@ -40,6 +40,7 @@ struct MapReport {
     width: u32,
     height: u32,
     range: [f64; 2],
+    layout: String,
     map_bytes: u64,
     bounds_bytes: u64,
 }
@@ -54,6 +55,7 @@ impl From<&LoadedMap> for MapReport {
             width: heights.width(),
             height: heights.height(),
             range: [low, high].map(|raw| f64::from(raw) * heights.unit()),
+            layout: map.relief.pyramid().layout().to_string(),
             map_bytes,
             bounds_bytes,
         }
@@ -62,7 +64,7 @@ impl From<&LoadedMap> for MapReport {
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let LoadedScene { mut scene, maps, .. } =
-        job::load(&args.file, None, Limits::default(), args.talk)?;
+        job::load(&args.file, (None, args.layout), Limits::default(), args.talk)?;
     if let Some(resolution) = args.resolution {
         let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
         scene = scene.with_camera(camera);
@@ -122,14 +124,15 @@ impl Report {
         ));
         for map in &self.maps {
             talk.line(format_args!(
-                "map         {:?}: {} x {} samples, heights {:.6} to {:.6}, {}, bounds {}",
+                "map         {:?}: {} x {} samples, heights {:.6} to {:.6}, {}, bounds {} ({})",
                 map.name,
                 map.width,
                 map.height,
                 map.range[0],
                 map.range[1],
                 report::bytes(map.map_bytes),
-                report::bytes(map.bounds_bytes)
+                report::bytes(map.bounds_bytes),
+                map.layout
             ));
         }
         talk.line(format_args!(

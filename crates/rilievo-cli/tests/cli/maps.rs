@@ -1,6 +1,6 @@
 //! `rilievo bake`, `info` and `check`.
 
-use rilievo::map::{Lattice, NormalConvention, Wrap};
+use rilievo::map::{Lattice, Layout, LevelBounds, NormalConvention, Wrap};
 use rilievo_io::Limits;
 use rilievo_io::image::NormalOptions;
 use rilievo_io::map_file::{BakedContent, BakedMap};
@@ -18,6 +18,7 @@ fn every_kind_is_baked_told_and_found_safe() {
     let kinds = [
         ("normal map.png -o a.map", "normal", [32.0, 32.0, 1.0]),
         ("bounds map.png -o a.map", "min-max", [32.0, 32.0, 2.0]),
+        ("bounds map.png -o a.map --layout tiny", "min-max", [32.0, 32.0, 2.0]),
         ("distance map.png -o a.map", "boxes", [32.0, 32.0, 32.0]),
         ("distance map.png -o a.map --size 8,9,10 --bits 8", "boxes", [8.0, 9.0, 10.0]),
         (
@@ -55,15 +56,20 @@ fn published_distances_are_counted_and_unsafe() {
 #[test]
 fn a_bound_moved_by_one_step_is_found() {
     let folder = Folder::new().with_scene();
-    folder.run("bake bounds map.png -o a.map").expect(0);
-    let path = folder.path("a.map");
-    let mut map = BakedMap::read(&path, &Limits::default()).unwrap();
-    if let BakedContent::MinMax(levels) = &mut map.content {
-        levels[0].max[0][0] -= 1;
+    for layout in Layout::ALL {
+        folder.run(&format!("bake bounds map.png -o a.map --layout {layout}")).expect(0);
+        let path = folder.path("a.map");
+        let mut map = BakedMap::read(&path, &Limits::default()).unwrap();
+        if let BakedContent::MinMax(levels) = &mut map.content {
+            match &mut levels[0].bounds {
+                LevelBounds::Wide { max, .. } => max[0][0] -= 1,
+                LevelBounds::Tiny { max, .. } => max[0][0] -= 1,
+            }
+        }
+        map.write(&path).unwrap();
+        let run = folder.run("check a.map --map map.png").expect(3);
+        assert!(run.stderr.contains("maximum"), "{}", run.stderr);
     }
-    map.write(&path).unwrap();
-    let run = folder.run("check a.map --map map.png").expect(3);
-    assert!(run.stderr.contains("maximum"), "{}", run.stderr);
 }
 
 #[test]

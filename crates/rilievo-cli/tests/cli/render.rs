@@ -51,6 +51,24 @@ fn flags_override_the_scene() {
 }
 
 #[test]
+fn layouts_differ_in_memory_and_in_nothing_else() {
+    let folder = Folder::new().with_scene();
+    let run = |words: &str| folder.run(&format!("render {words} --json")).expect(0).json();
+    let plain = run("scene.toml -o a.exr");
+    let tiny = run("scene.toml -o b.exr --layout tiny");
+    assert_eq!(folder.bytes("a.exr"), folder.bytes("b.exr"));
+    let bytes = |json: &serde_json::Value| json["bounds_bytes"].as_u64().unwrap();
+    assert_eq!(bytes(&plain) * 36, bytes(&tiny) * 64);
+    let scene = String::from_utf8(folder.bytes("scene.toml")).unwrap();
+    folder.write("tiny.toml", &scene.replace("[maps.noise]", "[maps.noise]\nlayout = \"tiny\""));
+    assert_eq!(bytes(&run("tiny.toml -o b.exr")), bytes(&tiny));
+    assert_eq!(bytes(&run("tiny.toml -o b.exr --layout default")), bytes(&plain));
+    let info = folder.run("info tiny.toml --json").expect(0).json();
+    assert_eq!(info["maps"][0]["layout"].as_str(), Some("tiny"));
+    assert_eq!(bytes(&info), bytes(&tiny));
+}
+
+#[test]
 fn the_json_object_has_every_key() {
     let folder = Folder::new().with_scene();
     let run = folder.run("render scene.toml -o a.png --json").expect(0);

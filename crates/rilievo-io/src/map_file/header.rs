@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rilievo::map::{Axis, DistanceBits, DistanceKind, Lattice, Wrap};
+use rilievo::map::{Axis, DistanceBits, DistanceKind, Lattice, Layout, Wrap};
 
 use super::MapSource;
 use super::checksum::Checksum;
@@ -12,7 +12,8 @@ use crate::error::{Error, Place, Result};
 pub(super) const BYTES: usize = 128;
 
 pub(super) const MAGIC: [u8; 8] = [0x89, b'R', b'L', b'V', b'O', b'\r', b'\n', 0x1a];
-const VERSION: u32 = 1;
+/// The newest version read.
+const VERSION: u32 = 2;
 
 /// Largest number of samples along an axis of a height map.
 const MAX_SAMPLES: u32 = 1 << 24;
@@ -88,6 +89,16 @@ impl Header {
         if self.bits == 8 { DistanceBits::U8 } else { DistanceBits::U16 }
     }
 
+    /// Layout of bounds.
+    pub fn layout(&self) -> Layout {
+        if self.bits == 8 { Layout::Tiny } else { Layout::Default }
+    }
+
+    /// The oldest version that knows what the file holds: bounds of 8 bits came with 2.
+    fn version(&self) -> u32 {
+        if self.kind == Kind::MinMax && self.bits == 8 { 2 } else { 1 }
+    }
+
     /// Bytes of the payload, by the other fields; `None` beyond 2^64.
     pub fn payload_bytes(&self) -> Option<u64> {
         let product =
@@ -99,7 +110,8 @@ impl Header {
                 product(&[x, y, z, self.bits / 8])
             }
             Kind::MinMax => {
-                let bytes = |[x, y]: [u32; 2]| product(&[x, y, 64]);
+                let node = self.layout().node_bytes() as u32;
+                let bytes = |[x, y]: [u32; 2]| product(&[x, y, node]);
                 level_nodes(self.cells())
                     .into_iter()
                     .try_fold(0_u64, |sum, nodes| sum.checked_add(bytes(nodes)?))
@@ -112,7 +124,7 @@ impl Header {
         let MapSource { samples, lattice, wrap, raw_range, hash } = self.source;
         let mut bytes = Vec::with_capacity(BYTES);
         bytes.extend(MAGIC);
-        let words = [VERSION, code_of(&Kind::ALL, self.kind)];
+        let words = [self.version(), code_of(&Kind::ALL, self.kind)];
         let source = [samples[0], samples[1], lattice_code(lattice), wrap_code(wrap)];
         let all = words.iter().chain(&self.size).chain([&self.bits]).chain(&source);
         bytes.extend(all.flat_map(|v| v.to_le_bytes()));
@@ -138,8 +150,8 @@ impl Header {
             return Err(Error::unsupported(path, Place::File, "first bytes", found, allowed));
         }
         let version = fields.u32();
-        if version != VERSION {
-            return Err(fields.unsupported("version", version, "1"));
+        if !(1..=VERSION).contains(&version) {
+            return Err(fields.unsupported("version", version, "1 or 2"));
         }
         let mut sum = Checksum::default();
         sum.add(&bytes[..120]);
@@ -180,6 +192,9 @@ impl Header {
         if spare != 0 {
             return Err(fields.invalid("spare field", spare.to_string(), "0"));
         }
+        if header.version() > version {
+            return Err(fields.invalid("version", version.to_string(), "2, for bounds of 8 bits"));
+        }
         header.check(&fields, payload)?;
         Ok(header)
     }
@@ -198,7 +213,7 @@ impl Header {
             let allowed = "the size that the height map asks for";
             return Err(fields.invalid("size", format!("{x} x {y} x {z}"), allowed));
         }
-        let bits: &[u32] = if matches!(self.kind, Kind::Distances(_)) { &[8, 16] } else { &[16] };
+        let bits: &[u32] = if self.kind == Kind::Normals { &[16] } else { &[8, 16] };
         if !bits.contains(&self.bits) {
             return Err(fields.invalid("bits", self.bits.to_string(), &format!("{bits:?}")));
         }

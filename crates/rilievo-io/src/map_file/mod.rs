@@ -5,7 +5,7 @@
 //! | at | type | what |
 //! |---|---|---|
 //! | 0 | 8 bytes | `89 52 4c 56 4f 0d 0a 1a`: a text transfer would change them |
-//! | 8 | u32 | version, 1 |
+//! | 8 | u32 | version: 2 for tiny min-max, else 1 |
 //! | 12 | u32 | kind: 0 normals, 1 distances published, 2 boxes, 3 corrected, 4 min-max |
 //! | 16 | u32 x 3 | size: texels and 1; voxels or nodes; stored cells along x, y and levels |
 //! | 28 | u32 | bits of a code: 8 or 16 |
@@ -25,7 +25,8 @@
 //! |---|---|
 //! | normals | red, green, blue as u16 a texel, row 0 at `v = 0`, green up (OpenGL) |
 //! | distances | codes of u8 or u16, x fastest, then y, then z |
-//! | min-max | level by level from the finest: maxima, then minima, 16 u16 a node, nodes row-major |
+//! | min-max, 16 bits | level by level from the finest: maxima, then minima, 16 u16 a node, nodes row-major |
+//! | min-max, 8 bits (tiny) | the same with u8; then level by level the ranges of the nodes, two u16 each |
 //!
 //! The checksum is FNV-1a over 64-bit words, the last one filled up with zeros, ended by the length:
 //! each step is a bijection of the state, so no single changed word escapes. The size of a file must
@@ -43,8 +44,8 @@ use std::io::{BufReader, Cursor, Read, Write};
 use std::path::Path;
 
 use rilievo::map::{
-    Bounds, Codes, DistanceBits, DistanceMap, DistanceParts, HeightMap, Lattice, Level, Metric,
-    NormalConvention, NormalMap, NormalMapError, NormalTexels, Samples, Wrap,
+    Codes, DistanceBits, DistanceMap, DistanceParts, HeightMap, Lattice, Layout, Level,
+    LevelBounds, Metric, NormalConvention, NormalMap, NormalMapError, NormalTexels, Samples, Wrap,
 };
 
 use crate::atomic;
@@ -203,7 +204,8 @@ impl BakedMap {
             }
             BakedContent::MinMax(levels) => {
                 let [x, y] = plain.cells();
-                Header { kind: Kind::MinMax, size: [x, y, levels.len() as u32], ..plain }
+                let bits = levels.first().map_or(16, |level| level.bounds.layout().bits());
+                Header { kind: Kind::MinMax, size: [x, y, levels.len() as u32], bits, ..plain }
             }
         }
     }
@@ -212,9 +214,7 @@ impl BakedMap {
         match &self.content {
             BakedContent::Normals(normals) => normals.texels.len() as u64 * 6,
             BakedContent::Distances(map) => map.bytes(),
-            BakedContent::MinMax(levels) => {
-                levels.iter().map(|l| (l.max.len() + l.min.len()) as u64 * 32).sum()
-            }
+            BakedContent::MinMax(levels) => levels.iter().map(|level| level.bounds.bytes()).sum(),
         }
     }
 
@@ -229,9 +229,23 @@ impl BakedMap {
                 Codes::U16(codes) => pieces(codes, |v| v.to_le_bytes(), take),
             },
             BakedContent::MinMax(levels) => {
-                for bounds in levels.iter().flat_map(|level| [&level.max, &level.min]) {
-                    pieces(bounds.as_flattened(), |v| v.to_le_bytes(), &mut take);
+                for level in levels {
+                    match &level.bounds {
+                        LevelBounds::Wide { max, min } => {
+                            for bounds in [max, min] {
+                                pieces(bounds.as_flattened(), |v| v.to_le_bytes(), &mut take);
+                            }
+                        }
+                        LevelBounds::Tiny { max, min, .. } => {
+                            for bounds in [max, min] {
+                                bounds.as_flattened().chunks(PIECE).for_each(&mut take);
+                            }
+                        }
+                    }
                 }
+                // At the end of it all: they alone need not fill whole words.
+                let ranges: Vec<u16> = levels.iter().flat_map(ranges).copied().collect();
+                pieces(&ranges, |v| v.to_le_bytes(), &mut take);
             }
         }
     }
@@ -254,6 +268,20 @@ fn pieces<T: Copy, const N: usize>(
         bytes.extend(chunk.iter().flat_map(|&v| bytes_of(v)));
         take(&bytes);
     }
+}
+
+/// The ranges of the nodes of a tiny level.
+fn ranges(level: &Level) -> &[u16] {
+    match &level.bounds {
+        LevelBounds::Wide { .. } => &[],
+        LevelBounds::Tiny { range, .. } => range.as_flattened(),
+    }
+}
+
+/// Sixteen `u16` lanes.
+fn wide(bytes: [u8; 32]) -> [u16; 16] {
+    let mut lanes = bytes.as_chunks::<2>().0.iter();
+    std::array::from_fn(|_| lanes.next().map_or(0, |b| u16::from_le_bytes(*b)))
 }
 
 /// Reads a file of `length` bytes.
@@ -308,13 +336,8 @@ fn decode(path: &Path, limits: &Limits, length: u64, input: &mut dyn Read) -> Re
             }
         }
         Kind::MinMax => {
-            let mut levels = Vec::new();
-            for nodes in header::level_nodes(header.cells()) {
-                let count = nodes[0] as usize * nodes[1] as usize;
-                let mut bounds = || payload.bounds(count).map_err(fail);
-                levels.push(Level { nodes, max: bounds()?, min: bounds()? });
-            }
-            BakedContent::MinMax(levels)
+            let levels = payload.levels(header.layout(), header::level_nodes(header.cells()));
+            BakedContent::MinMax(levels.map_err(fail)?)
         }
     };
     let found = payload.sum.finish();
@@ -352,11 +375,32 @@ impl Payload<'_> {
         Ok(values)
     }
 
-    fn bounds(&mut self, count: usize) -> std::io::Result<Vec<Bounds>> {
-        self.codes(count, |bytes: [u8; 32]| {
-            let mut lanes = bytes.as_chunks::<2>().0.iter();
-            std::array::from_fn(|_| lanes.next().map_or(0, |b| u16::from_le_bytes(*b)))
-        })
+    /// Levels of a min-max pyramid with these nodes.
+    fn levels(&mut self, layout: Layout, nodes: Vec<[u32; 2]>) -> std::io::Result<Vec<Level>> {
+        let mut levels = Vec::new();
+        for nodes in nodes {
+            let count = nodes[0] as usize * nodes[1] as usize;
+            let bounds = match layout {
+                Layout::Default => {
+                    let (max, min) = (self.codes(count, wide)?, self.codes(count, wide)?);
+                    LevelBounds::Wide { max, min }
+                }
+                Layout::Tiny => LevelBounds::Tiny {
+                    max: self.codes(count, |lanes: [u8; 16]| lanes)?,
+                    min: self.codes(count, |lanes: [u8; 16]| lanes)?,
+                    range: Vec::new(),
+                },
+            };
+            levels.push(Level { nodes, bounds });
+        }
+        for level in &mut levels {
+            if let LevelBounds::Tiny { max, range, .. } = &mut level.bounds {
+                *range = self.codes(max.len(), |[a, b, c, d]| {
+                    [u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d])]
+                })?;
+            }
+        }
+        Ok(levels)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Baked maps come back as they were written; damaged ones are errors.
 
-use rilievo::map::{DistanceKind, DistanceOptions, NormalKind, Procedural, Pyramid};
+use rilievo::map::{DistanceKind, DistanceOptions, Layout, NormalKind, Procedural, Pyramid};
 
 use super::*;
 
@@ -21,14 +21,18 @@ fn all(heights: &HeightMap) -> Vec<BakedMap> {
     };
     let normals = NormalMap::from_height(heights, NormalKind::Smooth, metric);
     let texels = normals.to_texels(NormalConvention::OpenGl);
-    let pyramid = Pyramid::build(heights);
-    let levels = (0..pyramid.levels()).map(|l| pyramid.level(l).clone()).collect();
+    let bounds = |layout| {
+        let pyramid = Pyramid::build_as(heights, layout);
+        let levels = (0..pyramid.levels()).map(|l| pyramid.level(l).clone()).collect();
+        BakedContent::MinMax(levels)
+    };
     [
         BakedContent::Normals(BakedNormals { metric, texels }),
         distance(DistanceKind::Published, [9, 6, 4], DistanceBits::U8),
         distance(DistanceKind::Boxes, [7, 5, 3], DistanceBits::U8),
         distance(DistanceKind::Corrected, [6, 5, 3], DistanceBits::U16),
-        BakedContent::MinMax(levels),
+        bounds(Layout::Default),
+        bounds(Layout::Tiny),
     ]
     .map(|content| BakedMap { source, content })
     .into()
@@ -60,8 +64,8 @@ fn maps_come_back_bit_for_bit() {
                 assert_eq!(back.source, MapSource::of(&heights));
                 match &back.content {
                     BakedContent::MinMax(levels) => {
-                        let pyramid = Pyramid::from_levels(levels.clone(), &heights);
-                        assert_eq!(pyramid.unwrap(), Pyramid::build(&heights));
+                        let pyramid = Pyramid::from_levels(levels.clone(), &heights).unwrap();
+                        assert_eq!(pyramid, Pyramid::build_as(&heights, pyramid.layout()));
                     }
                     BakedContent::Distances(map) => assert!(map.fits(&heights)),
                     BakedContent::Normals(normals) => {
@@ -109,7 +113,7 @@ fn fields_out_of_range_are_named_even_with_a_right_checksum() {
     let nan = f64::NAN.to_le_bytes();
     for (map, at, value, want) in [
         (0, 0, &most[..], "first bytes"),
-        (0, 8, &most, "version: 4294967295; allowed: 1"),
+        (0, 8, &most, "version: 4294967295; allowed: 1 or 2"),
         (0, 12, &most, "kind"),
         (0, 16, &most, "size"),
         (1, 16, &most, "payload bytes"),
@@ -127,6 +131,10 @@ fn fields_out_of_range_are_named_even_with_a_right_checksum() {
         (4, 104, &[0; 8], "payload checksum"),
         (4, 112, &[1], "spare field: 1; allowed: 0"),
         (4, 24, &[9], "size"),
+        (4, 28, &[8], "version: 1; allowed: 2"),
+        (4, 28, &[9], "bits: 9"),
+        (5, 8, &[1], "version: 1; allowed: 2"),
+        (5, 28, &[16], "payload bytes"),
     ] {
         let error = change(&maps[map], at, value);
         assert!(error.contains(want), "{at}: {error}");

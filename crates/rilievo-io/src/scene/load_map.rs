@@ -52,7 +52,8 @@ pub(super) fn load(
     options: &LoadOptions<'_>,
 ) -> Result<Arc<Relief>> {
     let limits = &options.limits;
-    let mut relief = Relief::new(heights(file, entry, limits)?);
+    let layout = options.layout.unwrap_or(entry.layout);
+    let mut relief = Relief::with_layout(heights(file, entry, limits)?, layout);
     let mut baked = match &entry.distance.file {
         Some(name) => Some((name, read_baked(file, name, relief.heights(), limits)?)),
         None => None,

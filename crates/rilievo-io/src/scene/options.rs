@@ -1,6 +1,6 @@
 //! How a scene is loaded, and what its loading tells on the way.
 
-use rilievo::map::DistanceKind;
+use rilievo::map::{DistanceKind, Layout};
 use rilievo::relief::Method;
 
 use crate::limits::Limits;
@@ -12,14 +12,16 @@ pub struct LoadOptions<'a> {
     pub limits: Limits,
     /// Walks every relief, whatever the scene says.
     pub method: Option<Method>,
+    /// Stores the bounds of every map so, whatever the scene says.
+    pub layout: Option<Layout>,
     /// Told of every distance map before it is built: that may take a while.
     pub building: &'a dyn Fn(&DistanceBuild<'_>),
 }
 
 impl Default for LoadOptions<'_> {
-    /// The scene's own methods, default limits, nobody told.
+    /// The scene's own methods and layouts, default limits, nobody told.
     fn default() -> Self {
-        Self { limits: Limits::default(), method: None, building: &|_| {} }
+        Self { limits: Limits::default(), method: None, layout: None, building: &|_| {} }
     }
 }
 

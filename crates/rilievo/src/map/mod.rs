@@ -18,5 +18,7 @@ pub use lattice::{Axis, Lattice, Run, Wrap};
 pub use metric::Metric;
 pub use normal::{NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels};
 pub use procedural::{Procedural, ProceduralError};
-pub use pyramid::{Bounds, Code, Level, Pyramid, PyramidViolation};
+
+pub(crate) use pyramid::NodeBounds;
+pub use pyramid::{Code, Layout, Level, LevelBounds, Pyramid, PyramidViolation, UnknownLayout};
 pub use statistics::{HeightStatistics, Seam};

@@ -36,7 +36,7 @@ mod tile;
 mod trace;
 mod walk;
 
-use crate::map::{DistanceKind, DistanceMap, HeightMap, Pyramid};
+use crate::map::{DistanceKind, DistanceMap, HeightMap, Layout, Pyramid};
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
@@ -74,9 +74,14 @@ pub enum ReliefError {
 }
 
 impl Relief {
-    /// Builds the pyramid of a height map.
+    /// Builds the pyramid of a height map in the default layout.
     pub fn new(heights: HeightMap) -> Self {
-        let pyramid = Pyramid::build(&heights);
+        Self::with_layout(heights, Layout::Default)
+    }
+
+    /// Builds the pyramid of a height map in a layout.
+    pub fn with_layout(heights: HeightMap, layout: Layout) -> Self {
+        let pyramid = Pyramid::build_as(&heights, layout);
         Self { heights, pyramid, distances: Vec::new() }
     }
 

@@ -12,7 +12,7 @@
 //! interval is cut to `cull` here but not in the leaf: outside `cull` the ray is clear of the whole
 //! map's range by more than the slack, or past its own end.
 
-use crate::map::{HeightMap, Pyramid};
+use crate::map::{HeightMap, NodeBounds, Pyramid};
 use crate::probe::Probe;
 
 use super::leaf::{self, Crossings, LeafHit, Span};
@@ -116,9 +116,10 @@ impl<'a> Descent<'a> {
     fn hit_mask(&self, level: u32, node: [i32; 2]) -> u16 {
         let side = 4i32 << (2 * level);
         let (x, y) = (self.times(0, node[0], side), self.times(1, node[1], side));
-        let at = self.pyramid.level(level);
-        let index = (node[1] as u32 * at.nodes[0] + node[0] as u32) as usize;
-        let (max, min, code) = (&at.max[index], &at.min[index], self.pyramid.code());
+        let across = self.pyramid.nodes(level)[0] as usize;
+        let index = node[1] as usize * across + node[0] as usize;
+        let [max, min] = NodeBounds::codes(&self.pyramid.node(level, index));
+        let code = self.pyramid.code();
         let [enter, leave] = self.ray.cull;
         let stored = (self.flip[0] | self.flip[1] << 2) as usize;
         let mut mask = 0;
@@ -130,8 +131,8 @@ impl<'a> Descent<'a> {
                 let (za, zb) = (self.ray.z(t0), self.ray.z(t1));
                 let lane = (row * 4 + column) ^ stored;
                 *hit = (t0 <= t1)
-                    & (smaller(za, zb) - self.slack <= code.value(max[lane]))
-                    & (larger(za, zb) + self.slack >= code.value(min[lane]));
+                    & (smaller(za, zb) - self.slack <= code.value_f32(max[lane]))
+                    & (larger(za, zb) + self.slack >= code.value_f32(min[lane]));
             }
             for (column, hit) in hit.into_iter().enumerate() {
                 mask |= u16::from(hit) << (row * 4 + column);

@@ -1,6 +1,6 @@
 //! `[maps.NAME]`.
 
-use rilievo::map::{DistanceBits, Lattice, Procedural, Wrap};
+use rilievo::map::{DistanceBits, Lattice, Layout, Procedural, Wrap};
 
 use super::super::syntax::{Located, Table, Value};
 use crate::error::Result;
@@ -36,6 +36,8 @@ pub(in super::super) struct MapEntry {
     pub source: MapSource,
     pub lattice: Lattice,
     pub wrap: Wrap,
+    /// How the bounds of its pyramid are stored.
+    pub layout: Layout,
     pub distance: DistanceSource,
     pub at: std::ops::Range<usize>,
 }
@@ -61,6 +63,7 @@ impl MapEntry {
             source,
             lattice,
             wrap: Wrap::Repeat,
+            layout: Layout::Default,
             distance: DistanceSource::default(),
             at: table.at(),
         };
@@ -72,6 +75,9 @@ impl MapEntry {
             let wraps =
                 [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
             entry.wrap = value.choice(&wraps)?;
+        }
+        if let Some(value) = table.get("layout") {
+            entry.layout = value.choice(&Layout::ALL.map(|l| (l.name(), l)))?;
         }
         if let Some(value) = table.get("distance") {
             entry.distance = read_distance(&value.table()?)?;
