@@ -14,6 +14,7 @@ const GRAPH: &[(&str, &[&str])] = &[
     ("rilievo-io", &["rilievo", "rilievo-render"]),
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
+    ("rilievo-bench", &["rilievo", "rilievo-io"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),
     ("xtask", &[]),
 ];

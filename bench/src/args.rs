@@ -1,0 +1,124 @@
+//! What was typed: commands, flags, their help and the checks that need nothing but the flag.
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::contender::Contender;
+use crate::map::MapName;
+use crate::rays::Family;
+
+/// Measures rilievo beside its peers, on equal rays and grids.
+#[derive(Debug, Parser)]
+#[command(name = "rilievo-bench", version, propagate_version = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Rays a second of one thread, memory and build time, beside Embree.
+    Kernels(KernelArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct KernelArgs {
+    /// Maps, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = MapName::ALL)]
+    pub maps: Vec<MapName>,
+    /// Samples a side, parted by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = size(),
+          default_values_t = [512, 1024, 2048, 4096, 8192])]
+    pub sizes: Vec<u32>,
+    /// Families of rays, parted by commas; shadow measures single rays and packets of 8.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Family::ALL)]
+    pub families: Vec<Family>,
+    /// Contenders, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Contender::ALL)]
+    pub contenders: Vec<Contender>,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
+    /// Scene units of height 1 over the unit square; real maps divide it by their repetitions.
+    #[arg(long, value_name = "Z", default_value_t = 0.1, value_parser = depth)]
+    pub depth: f64,
+    /// A sixteenth of the rays.
+    #[arg(long)]
+    pub quick: bool,
+    /// Most bytes that the contenders of a map may hold together, as 10G.
+    #[arg(long, value_name = "BYTES", default_value = "10G", value_parser = bytes)]
+    pub max_memory: u64,
+    /// Embree's configuration string.
+    #[cfg(feature = "embree")]
+    #[arg(long, value_name = "STRING", default_value = "threads=1")]
+    pub embree_config: String,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Output {
+    /// One JSON object a line on standard output, in place of tables.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Samples a side: room for a few cells, and at most what a GRID holds.
+fn size() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(16..=32767)
+}
+
+fn depth(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(depth) if depth > 0.0 && depth <= 10.0 => Ok(depth),
+        _ => Err("a depth lies above 0 and is at most 10".to_owned()),
+    }
+}
+
+/// A number of bytes with an optional unit K, M or G (powers of 1024).
+fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, shift) = match text.char_indices().last() {
+        Some((at, 'K')) => (&text[..at], 10),
+        Some((at, 'M')) => (&text[..at], 20),
+        Some((at, 'G')) => (&text[..at], 30),
+        _ => (text, 0),
+    };
+    let count = digits.parse::<u64>().ok();
+    let bytes = count.and_then(|n| n.checked_mul(1 << shift));
+    bytes.ok_or_else(|| "a number of bytes such as 512M or 10G".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kernels(words: &[&str]) -> Result<KernelArgs, clap::Error> {
+        let words = ["rilievo-bench", "kernels"].iter().chain(words);
+        Arguments::try_parse_from(words).map(|arguments| match arguments.command {
+            Command::Kernels(args) => args,
+        })
+    }
+
+    #[test]
+    fn lists_are_parted_by_commas_and_default_to_everything() {
+        let args = kernels(&["--maps", "fbm,moss", "--sizes", "512,1024", "--json"]).unwrap();
+        assert_eq!(args.maps, [MapName::Fbm, MapName::Moss]);
+        assert_eq!((args.sizes.as_slice(), args.output.json), (&[512, 1024][..], true));
+        assert_eq!((args.families.len(), args.contenders.len()), (5, Contender::ALL.len()));
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for words in [["--sizes", "3"], ["--depth", "0"], ["--max-memory", "1X"], ["--passes", "0"]]
+        {
+            assert!(kernels(&words).is_err(), "{words:?}");
+        }
+    }
+
+    #[test]
+    fn bytes_have_units() {
+        assert_eq!(bytes("10G"), Ok(10 << 30));
+        assert_eq!(bytes("77"), Ok(77));
+        assert!(bytes("").is_err() && bytes("99999999999G").is_err());
+    }
+}

@@ -1,0 +1,82 @@
+//! rilievo as a contender: a face on the unit square, the pyramid built from the heights.
+
+use std::sync::Arc;
+
+use rilievo::Ray;
+use rilievo::map::Pyramid;
+use rilievo::relief::{Displacement, FaceOptions, ReliefFace};
+
+use super::{Built, Contender, Facts, Task};
+use crate::clock::Watch;
+use crate::one_thread;
+use crate::rays::{Batch, CORNERS, widened};
+use crate::tally::Tally;
+
+/// A face.
+pub struct Tracer {
+    face: ReliefFace,
+}
+
+/// A batch of rays for a face.
+pub struct Loaded<'a> {
+    face: &'a ReliefFace,
+    rays: Vec<Ray>,
+    any_hit: bool,
+}
+
+pub fn build(contender: Contender, task: &Task<'_>) -> Result<Built, String> {
+    let heights = task.relief.heights();
+    let watch = Watch::start();
+    let pyramid = one_thread(|| Pyramid::build(heights));
+    let took = watch.took();
+    let bytes = pyramid.bytes();
+    drop(pyramid);
+    let displacement = Displacement { scale: task.depth, ..Displacement::default() };
+    let options = FaceOptions { displacement, ..FaceOptions::default() };
+    let facts = Facts::from([
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("method", options.method.name().to_owned()),
+        ("simd", "scalar".to_owned()),
+    ]);
+    let face = ReliefFace::new(CORNERS, Arc::clone(task.relief), options);
+    let tracer = Tracer { face: face.map_err(|e| e.to_string())? };
+    let tracer = super::Tracer::Rilievo(Box::new(tracer));
+    Ok(Built { contender, took, bytes: (bytes, bytes), facts, tracer })
+}
+
+/// One ray a call.
+pub fn widths(_batch: &Batch) -> Vec<usize> {
+    vec![1]
+}
+
+impl Tracer {
+    /// `width` is always 1.
+    pub fn load(&self, batch: &Batch, _width: usize) -> Loaded<'_> {
+        let rays = batch.rays.iter().map(widened).collect();
+        Loaded { face: &self.face, rays, any_hit: batch.row.is_any_hit() }
+    }
+}
+
+impl Loaded<'_> {
+    pub fn trace(&self) -> Tally {
+        let mut tally = Tally::default();
+        if self.any_hit {
+            for ray in &self.rays {
+                if self.face.occludes(ray, &mut ()) {
+                    tally.hit(0.0);
+                }
+            }
+        } else {
+            for ray in &self.rays {
+                if let Some(hit) = self.face.closest(ray, &mut ()) {
+                    tally.hit(hit.t);
+                }
+            }
+        }
+        tally
+    }
+
+    pub fn call(&self) -> &'static str {
+        if self.any_hit { "ReliefFace::occludes" } else { "ReliefFace::closest" }
+    }
+}
