@@ -29,7 +29,7 @@ fn shape(contender: Contender) -> Option<Shape> {
         Contender::EmbreeTri => Some(Shape::Triangles),
         Contender::EmbreeQuad => Some(Shape::Quads),
         Contender::EmbreeGrid => Some(Shape::Grid),
-        Contender::RilievoDefault => None,
+        Contender::RilievoDefault | Contender::RilievoTiny => None,
     }
 }
 
@@ -41,7 +41,7 @@ pub fn build(contender: Contender, task: &Task<'_>) -> Result<Built, String> {
     let shape = shape(contender).ok_or_else(|| format!("{} is no peer", contender.name()))?;
     let config = task.embree_config;
     let watch = Watch::start();
-    let scene = Scene::of_heights(config, shape, task.relief.heights(), task.depth)?;
+    let scene = Scene::of_heights(config, shape, task.heights, task.depth)?;
     let took = watch.took();
     let facts = Facts::from([
         ("version", scene.version()),

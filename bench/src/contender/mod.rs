@@ -8,9 +8,8 @@ mod embree;
 mod rilievo;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use ::rilievo::relief::Relief;
+use ::rilievo::map::{HeightMap, Layout};
 use clap::ValueEnum;
 
 use crate::clock::Took;
@@ -20,8 +19,10 @@ use crate::tally::Tally;
 /// A contender by its name on the command line and in records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Contender {
-    /// rilievo's kernel on the pyramid of its default layout.
+    /// rilievo on the default layout of its pyramid.
     RilievoDefault,
+    /// rilievo on the layout tiny.
+    RilievoTiny,
     /// Embree, two triangles a cell.
     EmbreeTri,
     /// Embree, a quad a cell.
@@ -32,8 +33,7 @@ pub enum Contender {
 
 /// What a contender needs to be built and traced.
 pub struct Task<'a> {
-    /// The map with its pyramid; peers take the heights alone.
-    pub relief: &'a Arc<Relief>,
+    pub heights: &'a HeightMap,
     /// Scene units of height 1.
     pub depth: f64,
     /// Embree's configuration string.
@@ -69,31 +69,48 @@ pub enum Loaded<'a> {
 }
 
 impl Contender {
-    pub const ALL: [Self; 4] =
-        [Self::RilievoDefault, Self::EmbreeGrid, Self::EmbreeQuad, Self::EmbreeTri];
+    /// In the order in which they are built: the small ones first.
+    pub const ALL: [Self; 5] = [
+        Self::RilievoDefault,
+        Self::RilievoTiny,
+        Self::EmbreeGrid,
+        Self::EmbreeQuad,
+        Self::EmbreeTri,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::RilievoDefault => "rilievo-default",
+            Self::RilievoTiny => "rilievo-tiny",
             Self::EmbreeTri => "embree-tri",
             Self::EmbreeQuad => "embree-quad",
             Self::EmbreeGrid => "embree-grid",
         }
     }
 
-    /// Whether it is part of this build.
-    pub fn is_compiled(self) -> bool {
-        matches!(self, Self::RilievoDefault) || cfg!(feature = "embree")
+    /// The layout of the pyramid; none for peers.
+    pub fn layout(self) -> Option<Layout> {
+        match self {
+            Self::RilievoDefault => Some(Layout::Default),
+            Self::RilievoTiny => Some(Layout::Tiny),
+            Self::EmbreeTri | Self::EmbreeQuad | Self::EmbreeGrid => None,
+        }
     }
 
-    /// Most bytes it will hold at once on a map of `cells` cells, beyond the heights.
+    /// Whether it is part of this build.
+    pub fn is_compiled(self) -> bool {
+        self.layout().is_some() || cfg!(feature = "embree")
+    }
+
+    /// Most bytes it will hold at once on a map of `cells` cells: beyond the heights, and for rilievo
+    /// beyond one more copy of them.
     pub fn peak_bytes(self, cells: u64) -> u64 {
-        match self {
-            Self::RilievoDefault => cells,
+        match self.layout() {
+            Some(_) => 3 * cells,
             #[cfg(feature = "embree")]
-            _ => embree::peak_bytes(self, cells),
+            None => embree::peak_bytes(self, cells),
             #[cfg(not(feature = "embree"))]
-            _ => 0,
+            None => 0,
         }
     }
 
@@ -102,12 +119,12 @@ impl Contender {
     /// # Errors
     /// When the contender refuses, or is not compiled in.
     pub fn build(self, task: &Task<'_>) -> Result<Built, String> {
-        match self {
-            Self::RilievoDefault => rilievo::build(self, task),
+        match self.layout() {
+            Some(layout) => rilievo::build((self, layout), task),
             #[cfg(feature = "embree")]
-            _ => embree::build(self, task),
+            None => embree::build(self, task),
             #[cfg(not(feature = "embree"))]
-            _ => Err(format!("{} needs the feature embree", self.name())),
+            None => Err(format!("{} needs the feature embree", self.name())),
         }
     }
 }
@@ -156,12 +173,14 @@ impl Loaded<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ::rilievo::relief::Relief;
+
     use crate::map::MapName;
     use crate::rays::{Row, Scene};
 
-    fn task(relief: &Arc<Relief>, depth: f64) -> Task<'_> {
+    fn task(heights: &HeightMap, depth: f64) -> Task<'_> {
         Task {
-            relief,
+            heights,
             depth,
             #[cfg(feature = "embree")]
             embree_config: "threads=1",
@@ -170,9 +189,9 @@ mod tests {
 
     #[test]
     fn contenders_agree_on_what_is_hit() {
-        let relief = Arc::new(Relief::new(MapName::Gaussian.load(257).unwrap()));
-        let task = task(&relief, 0.8);
-        let scene = Scene::new(relief.clone(), 0.8, 48).unwrap();
+        let heights = MapName::Gaussian.load(257).unwrap();
+        let task = task(&heights, 0.8);
+        let scene = Scene::new(Relief::new(heights.clone()), 0.8, 48).unwrap();
         let compiled = || Contender::ALL.into_iter().filter(|c| c.is_compiled());
         let built: Vec<Built> = compiled().map(|c| c.build(&task).unwrap()).collect();
         for row in Row::ALL {
@@ -199,8 +218,8 @@ mod tests {
 
     #[test]
     fn memory_is_counted() {
-        let relief = Arc::new(Relief::new(MapName::Gaussian.load(257).unwrap()));
-        let task = task(&relief, 0.1);
+        let heights = MapName::Gaussian.load(257).unwrap();
+        let task = task(&heights, 0.1);
         for contender in Contender::ALL.into_iter().filter(|c| c.is_compiled()) {
             let built = contender.build(&task).unwrap();
             let (held, peak) = built.bytes;

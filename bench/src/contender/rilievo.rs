@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rilievo::Ray;
-use rilievo::map::Pyramid;
-use rilievo::relief::{Displacement, FaceOptions, ReliefFace};
+use rilievo::map::Layout;
+use rilievo::relief::{Displacement, FaceOptions, Relief, ReliefFace};
 
 use super::{Built, Contender, Facts, Task};
 use crate::clock::Watch;
@@ -24,13 +24,12 @@ pub struct Loaded<'a> {
     any_hit: bool,
 }
 
-pub fn build(contender: Contender, task: &Task<'_>) -> Result<Built, String> {
-    let heights = task.relief.heights();
+pub fn build((contender, layout): (Contender, Layout), task: &Task<'_>) -> Result<Built, String> {
+    let heights = task.heights.clone();
     let watch = Watch::start();
-    let pyramid = one_thread(|| Pyramid::build(heights));
+    let relief = one_thread(|| Relief::with_layout(heights, layout));
     let took = watch.took();
-    let bytes = pyramid.bytes();
-    drop(pyramid);
+    let (_, bytes) = relief.bytes();
     let displacement = Displacement { scale: task.depth, ..Displacement::default() };
     let options = FaceOptions { displacement, ..FaceOptions::default() };
     let facts = Facts::from([
@@ -38,7 +37,7 @@ pub fn build(contender: Contender, task: &Task<'_>) -> Result<Built, String> {
         ("method", options.method.name().to_owned()),
         ("simd", "scalar".to_owned()),
     ]);
-    let face = ReliefFace::new(CORNERS, Arc::clone(task.relief), options);
+    let face = ReliefFace::new(CORNERS, Arc::new(relief), options);
     let tracer = Tracer { face: face.map_err(|e| e.to_string())? };
     let tracer = super::Tracer::Rilievo(Box::new(tracer));
     Ok(Built { contender, took, bytes: (bytes, bytes), facts, tracer })

@@ -3,15 +3,12 @@
 mod record;
 mod table;
 
-use std::sync::Arc;
-
 use rilievo::relief::Relief;
 
 use crate::args::KernelArgs;
 use crate::contender::{Built, Contender, Task};
 use crate::map::MapName;
 use crate::measure::interleaved;
-use crate::one_thread;
 use crate::rays::{Row, Scene};
 use crate::report::{object, say};
 
@@ -62,11 +59,10 @@ fn one_map(
     say(format_args!("{} {size}: map, rays and contenders", map.name()));
     let depth = map.depth(size, args.depth);
     let heights = map.load(size)?;
-    let relief = Arc::new(one_thread(|| Relief::new(heights)));
     let side = if args.quick { QUICK_SIDE } else { SIDE };
-    let scene = Scene::new(Arc::clone(&relief), depth, side)?;
+    let scene = Scene::new(Relief::new(heights.clone()), depth, side)?;
     let task = Task {
-        relief: &relief,
+        heights: &heights,
         depth,
         #[cfg(feature = "embree")]
         embree_config: &args.embree_config,

@@ -118,13 +118,14 @@ impl Scene {
     ///
     /// # Errors
     /// A depth that is not finite and above 0.
-    pub fn new(relief: Arc<Relief>, depth: f64, side: u32) -> Result<Self, String> {
+    pub fn new(relief: Relief, depth: f64, side: u32) -> Result<Self, String> {
         if depth.is_nan() || depth <= 0.0 {
             return Err(format!("depth is {depth}; it must be above 0"));
         }
         let displacement = Displacement { scale: depth, ..Displacement::default() };
         let options = FaceOptions { displacement, method: Method::Dda, ..FaceOptions::default() };
-        let face = ReliefFace::new(CORNERS, relief, options).map_err(|e| e.to_string())?;
+        let face =
+            ReliefFace::new(CORNERS, Arc::new(relief), options).map_err(|e| e.to_string())?;
         let mut scene = Self { face, depth, side, hits: Vec::new() };
         let primary = scene.image(scene.overview());
         scene.hits = primary.iter().filter_map(|ray| scene.start(ray)).collect();
@@ -230,8 +231,7 @@ mod tests {
     const DEPTH: f64 = 0.4;
 
     fn scene(name: MapName) -> Scene {
-        let relief = Arc::new(Relief::new(name.load(129).unwrap()));
-        Scene::new(relief, DEPTH, 64).unwrap()
+        Scene::new(Relief::new(name.load(129).unwrap()), DEPTH, 64).unwrap()
     }
 
     fn hit_share(scene: &Scene, batch: &Batch) -> f64 {
