@@ -4,6 +4,9 @@ use super::{Bvh, MAX_DEPTH, SlabRay};
 use crate::probe::Probe;
 use crate::ray::Ray;
 
+/// Trees of so many nodes, four leaves, are not descended.
+const LIST_NODES: usize = 7;
+
 /// Nodes still to visit, and where the ray enters them. A walk holds at most one waiting node per
 /// level.
 struct Waiting {
@@ -60,6 +63,9 @@ impl Bvh {
         probe: &mut P,
         mut leaf: impl FnMut(u32, &mut Ray, &mut P) -> bool,
     ) -> bool {
+        if self.nodes.len() <= LIST_NODES {
+            return self.walk_list(ray, probe, leaf);
+        }
         let slab = SlabRay::new(ray);
         let mut waiting = Waiting { nodes: [(0, 0.0); MAX_DEPTH + 1], len: 0 };
         if let Some(root) = self.nodes.first()
@@ -98,6 +104,46 @@ impl Bvh {
                         low
                     }
                 };
+            }
+        }
+        false
+    }
+
+    /// [`Bvh::walk`] of a tree so small that it is a list of leaves: all are tested, then visited in
+    /// the order in which the ray enters them.
+    #[inline]
+    fn walk_list<P: Probe>(
+        &self,
+        ray: &mut Ray,
+        probe: &mut P,
+        mut leaf: impl FnMut(u32, &mut Ray, &mut P) -> bool,
+    ) -> bool {
+        probe.node();
+        let slab = SlabRay::new(ray);
+        let mut met = [(0.0, 0, 0); LIST_NODES];
+        let mut count = 0;
+        for node in &self.nodes {
+            if node.count == 0 {
+                continue;
+            }
+            let Some(entry) = slab.entry(&node.bounds, ray.t_max) else { continue };
+            // Sorted as they come; leaves entered at the same parameter stay in order.
+            let mut at = count;
+            while at > 0 && met[at - 1].0 > entry {
+                met[at] = met[at - 1];
+                at -= 1;
+            }
+            met[at] = (entry, node.first as usize, node.count as usize);
+            count += 1;
+        }
+        for &(entry, first, items) in &met[..count] {
+            if entry > ray.t_max {
+                break;
+            }
+            for &item in &self.items[first..first + items] {
+                if leaf(item, ray, probe) {
+                    return true;
+                }
             }
         }
         false

@@ -11,6 +11,8 @@
 //!   neighbour, any other one does, at `t = 0` at least.
 //!
 //! Elsewhere the sign of the computed `t` is right and decides.
+//!
+//! Most rays leave a surface and cross no flat one, so nothing is computed before a crossing asks.
 
 use glam::DVec3;
 
@@ -22,31 +24,40 @@ const ON_PLANE: f64 = 32.0 * f64::EPSILON;
 /// Relative error of a computed normal, in products of its two edges.
 const NORMAL_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// The surface that a ray leaves.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Departure {
-    /// The surface lies in the hull of these points; some may be the same.
-    hull: [DVec3; 8],
-    /// Of a planar surface: its plane, and whether the ray leaves to where the normal points.
-    plane: Option<(Plane, bool)>,
+/// A surface that is not flat, as its neighbours see it.
+pub(crate) trait Shell {
+    /// Eight points in whose hull the surface lies.
+    fn hull(&self) -> [DVec3; 8];
 }
 
-impl Departure {
-    /// Leaving a triangle.
-    pub(crate) fn from_triangle(corners: [DVec3; 3], front: bool) -> Self {
-        let [a, b, c] = corners;
-        Self { hull: [a, b, c, c, c, c, c, c], plane: Some((Plane::through(&corners), front)) }
+/// The surface that a ray leaves.
+#[derive(Clone, Copy)]
+pub(crate) enum Departure<'a> {
+    /// A triangle, and whether the ray leaves to where its normal points.
+    Triangle([DVec3; 3], bool),
+    /// A parallelogram, likewise.
+    Parallelogram(&'a [DVec3; 4], bool),
+    /// A surface that fills a shell.
+    Shell(&'a dyn Shell),
+}
+
+impl Departure<'_> {
+    /// The surface lies in the hull of these points; some may be the same.
+    fn hull(&self) -> [DVec3; 8] {
+        match *self {
+            Self::Triangle([a, b, c], _) => [a, b, c, c, c, c, c, c],
+            Self::Parallelogram(&[a, b, c, d], _) => [a, b, c, d, d, d, d, d],
+            Self::Shell(shell) => shell.hull(),
+        }
     }
 
-    /// Leaving a parallelogram.
-    pub(crate) fn from_parallelogram(corners: [DVec3; 4], front: bool) -> Self {
-        let [a, b, c, d] = corners;
-        Self { hull: [a, b, c, d, d, d, d, d], plane: Some((Plane::through(&[a, b, d]), front)) }
-    }
-
-    /// Leaving a surface that fills a shell.
-    pub(crate) fn from_shell(hull: [DVec3; 8]) -> Self {
-        Self { hull, plane: None }
+    /// Of a planar surface: its plane, and whether the ray leaves to where the normal points.
+    fn plane(&self) -> Option<(Plane, bool)> {
+        match *self {
+            Self::Triangle(corners, front) => Some((Plane::through(&corners), front)),
+            Self::Parallelogram(&[a, b, _, d], front) => Some((Plane::through(&[a, b, d]), front)),
+            Self::Shell(_) => None,
+        }
     }
 
     /// The parameter, at least 0, at which a ray that starts at `start` meets the triangle
@@ -58,8 +69,8 @@ impl Departure {
         corners: &[DVec3; 3],
         crossing: &Crossing,
     ) -> Option<f64> {
-        if let Some((own, front)) = &self.plane {
-            let leaving = if *front { Side::Front } else { Side::Back };
+        if let Some((own, front)) = self.plane() {
+            let leaving = if front { Side::Front } else { Side::Back };
             if corners.iter().all(|&p| own.side(p, 0.0) != leaving) {
                 return None;
             }
@@ -69,7 +80,7 @@ impl Departure {
         if plane.side(start, ON_PLANE) != Side::On {
             return at_or_after;
         }
-        let sides = self.hull.map(|p| plane.side(p, ON_PLANE));
+        let sides = self.hull().map(|p| plane.side(p, ON_PLANE));
         match (sides.contains(&Side::Front), sides.contains(&Side::Back)) {
             (true, true) => at_or_after,
             (true, false) => crossing.front.then_some(crossing.t.max(0.0)),
@@ -142,7 +153,7 @@ mod tests {
         let n = (b - a).cross(c - a);
         let t = n.dot(a - start) / n.dot(direction);
         let crossing = Crossing { t, weights: [0.0; 3], front: n.dot(direction) < 0.0 };
-        let departure = Departure::from_parallelogram(FLOOR, true);
+        let departure = Departure::Parallelogram(&FLOOR, true);
         departure.meeting(start, &neighbour, &crossing).is_some_and(|t| t >= 0.0)
     }
 

@@ -31,7 +31,8 @@ impl Mesh {
     /// the smallest index. `hit.part` names the triangle, `hit.surface` is 0.
     pub fn closest(&self, ray: &Ray, probe: &mut impl Probe) -> Option<Hit> {
         let departure = ray.from.and_then(|from| self.departure(from));
-        self.closest_after(ray, departure.as_ref(), probe)
+        let (index, crossing) = self.meet(ray, departure.as_ref(), probe)?;
+        Some(self.complete(index, &crossing))
     }
 
     /// Whether any triangle is met within `0 <= t <= t_max`.
@@ -46,22 +47,23 @@ impl Mesh {
     }
 
     /// What a ray that starts at `from`, on this mesh, leaves.
-    pub(crate) fn departure(&self, from: Origin) -> Option<Departure> {
+    pub(crate) fn departure(&self, from: Origin) -> Option<Departure<'_>> {
         match from.part {
             Part::Triangle(index) if (index as usize) < self.data.triangles.len() => {
-                Some(Departure::from_triangle(self.corners(index), from.front))
+                Some(Departure::Triangle(self.corners(index), from.front))
             }
             _ => None,
         }
     }
 
-    /// [`Mesh::closest`] for a ray that leaves `departure`, of this mesh or another surface.
-    pub(crate) fn closest_after(
+    /// The triangle of the nearest hit and where it is crossed, for a ray that leaves `departure`,
+    /// of this mesh or another surface.
+    pub(crate) fn meet(
         &self,
         ray: &Ray,
-        departure: Option<&Departure>,
+        departure: Option<&Departure<'_>>,
         probe: &mut impl Probe,
-    ) -> Option<Hit> {
+    ) -> Option<(u32, Crossing)> {
         let test = TriangleTest::new(self, ray, departure);
         let mut best: Option<(u32, Crossing)> = None;
         self.tree.closest(ray, probe, |item, ray, _| {
@@ -74,9 +76,13 @@ impl Mesh {
                 }
             }
         });
-        let (index, crossing) = best?;
+        best
+    }
+
+    /// The hit behind a crossing.
+    pub(crate) fn complete(&self, index: u32, crossing: &Crossing) -> Hit {
         let point = self.point(index, &crossing.weights);
-        Some(Hit {
+        Hit {
             t: crossing.t,
             position: point.position,
             position_error: point.position_error,
@@ -88,14 +94,14 @@ impl Mesh {
             front: crossing.front,
             surface: 0,
             part: Part::Triangle(index),
-        })
+        }
     }
 
     /// [`Mesh::occludes`] for a ray that leaves `departure`, of this mesh or another surface.
     pub(crate) fn occludes_after(
         &self,
         ray: &Ray,
-        departure: Option<&Departure>,
+        departure: Option<&Departure<'_>>,
         probe: &mut impl Probe,
     ) -> bool {
         let test = TriangleTest::new(self, ray, departure);
@@ -111,11 +117,11 @@ struct TriangleTest<'a> {
     ray: ShearedRay,
     from: Option<Part>,
     start: glam::DVec3,
-    departure: Option<&'a Departure>,
+    departure: Option<&'a Departure<'a>>,
 }
 
 impl<'a> TriangleTest<'a> {
-    fn new(mesh: &'a Mesh, ray: &Ray, departure: Option<&'a Departure>) -> Self {
+    fn new(mesh: &'a Mesh, ray: &Ray, departure: Option<&'a Departure<'a>>) -> Self {
         let from = ray.from.map(|from| from.part);
         Self { mesh, ray: ShearedRay::new(ray), from, start: ray.origin, departure }
     }

@@ -18,7 +18,7 @@ use super::Relief;
 use super::method::Method;
 use super::options::{Displacement, FaceOptions};
 use super::placement::Placement;
-use super::shading::Shading;
+use super::shading::{MapAxes, Shading};
 use super::trace::{Crossing, Place, Trace};
 
 /// Why a face was refused.
@@ -70,6 +70,7 @@ pub struct ReliefFace {
     placement: Placement,
     relief: Arc<Relief>,
     options: FaceOptions,
+    axes: MapAxes,
     bounds: Aabb,
 }
 
@@ -110,7 +111,8 @@ impl ReliefFace {
             return Err(FaceError::TooManyCells { found: farthest });
         }
         let bounds = bounds(&placement, &relief, options.closed);
-        Ok(Self { placement, relief, options, bounds })
+        let axes = MapAxes::new(&placement, relief.heights());
+        Ok(Self { placement, relief, options, axes, bounds })
     }
 
     /// The box that holds the displaced face and its walls, a rounding margin included.
@@ -137,7 +139,7 @@ impl ReliefFace {
     /// The nearest hit with `0 <= t <= ray.t_max`. `hit.surface` is 0.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let crossing = self.first_crossing(ray, probe)?;
-        Some(self.hit(ray, &crossing))
+        Some(self.complete(ray, &crossing))
     }
 
     /// Whether the ray meets the face at some `0 <= t <= ray.t_max`.
@@ -145,7 +147,8 @@ impl ReliefFace {
         self.first_crossing(ray, probe).is_some()
     }
 
-    fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
+    /// Where [`ReliefFace::closest`] is, before anything else is known of it.
+    pub(crate) fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
         let heights = self.relief.heights();
         let map_ray = self.placement.map_ray(heights, ray, self.options.closed)?;
         let trace =
@@ -154,15 +157,15 @@ impl ReliefFace {
         (crossing.t <= ray.t_max).then_some(crossing)
     }
 
-    /// World-space account of a crossing.
-    fn hit(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+    /// World-space account of a crossing that [`ReliefFace::first_crossing`] found along `ray`.
+    pub(crate) fn complete(&self, ray: &Ray, crossing: &Crossing) -> Hit {
         let Placement { corner, edge_u, edge_v, normal, .. } = self.placement;
         let heights = self.relief.heights();
         let [u, v] = self.placement.uv(heights, crossing.lattice);
         let offset = self.placement.offset(crossing.raw);
         let (part, geometric_normal, shading_normal) = match crossing.place {
             Place::Cell { cell, local } => {
-                let at = Shading { placement: &self.placement, heights, cell, local };
+                let at = Shading { axes: &self.axes, heights, cell, local };
                 let geometric = at.geometric_normal();
                 let shading = at.shading_normal(&self.options.normals, geometric);
                 (Part::Cell(cell[0], cell[1]), geometric, shading)

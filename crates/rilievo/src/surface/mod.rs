@@ -7,6 +7,7 @@
 //! sign of `t` alone: a ray that leaves another surface exactly where it touches one of them, to
 //! rounding, may be stopped by it or pass it.
 
+mod meeting;
 mod quad;
 mod sphere;
 mod world;
@@ -20,7 +21,7 @@ use glam::DVec3;
 use crate::accel::Aabb;
 use crate::hit::Hit;
 use crate::mesh::Mesh;
-use crate::mesh::departure::Departure;
+use crate::mesh::departure::{Departure, Shell};
 use crate::probe::Probe;
 use crate::ray::{Origin, Ray};
 use crate::relief::ReliefFace;
@@ -67,7 +68,7 @@ impl Surface {
     /// `hit.surface` is 0.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let departure = ray.from.and_then(|from| self.departure(from));
-        self.closest_after(ray, departure.as_ref(), probe)
+        Some(self.meet(ray, departure.as_ref(), probe)?.complete(ray))
     }
 
     /// Whether the surface is met within `0 <= t <= t_max`; rays as for [`Surface::closest`].
@@ -87,27 +88,12 @@ impl Surface {
     }
 
     /// What flat neighbours should know of a ray that starts at `from`, on this surface.
-    fn departure(&self, from: Origin) -> Option<Departure> {
+    fn departure(&self, from: Origin) -> Option<Departure<'_>> {
         match self {
             Self::Quad(quad) => quad.departure(from),
             Self::Sphere(_) => None,
             Self::Mesh(mesh) => mesh.departure(from),
-            Self::Face(face) => Some(Departure::from_shell(shell(face))),
-        }
-    }
-
-    /// [`Surface::closest`] for a ray that leaves `departure`, of this or another surface.
-    fn closest_after<P: Probe>(
-        &self,
-        ray: &Ray,
-        departure: Option<&Departure>,
-        probe: &mut P,
-    ) -> Option<Hit> {
-        match self {
-            Self::Quad(quad) => quad.closest_after(ray, departure),
-            Self::Sphere(sphere) => sphere.closest(ray),
-            Self::Mesh(mesh) => mesh.closest_after(ray, departure, probe),
-            Self::Face(face) => face.closest(ray, probe),
+            Self::Face(face) => Some(Departure::Shell(face.as_ref())),
         }
     }
 
@@ -115,11 +101,11 @@ impl Surface {
     fn occludes_after<P: Probe>(
         &self,
         ray: &Ray,
-        departure: Option<&Departure>,
+        departure: Option<&Departure<'_>>,
         probe: &mut P,
     ) -> bool {
         match self {
-            Self::Quad(quad) => quad.occludes_after(ray, departure),
+            Self::Quad(quad) => quad.meet(ray, departure).is_some(),
             Self::Sphere(sphere) => sphere.occludes(ray),
             Self::Mesh(mesh) => mesh.occludes_after(ray, departure, probe),
             Self::Face(face) => face.occludes(ray, probe),
@@ -127,19 +113,20 @@ impl Surface {
     }
 }
 
-/// The corners of the shell that a face fills: its base at the smallest and the largest offset,
-/// and at 0 as well if it has walls.
-fn shell(face: &ReliefFace) -> [DVec3; 8] {
-    let [corner, edge_u, edge_v, normal] = face.frame();
-    let heights = face.relief().heights();
-    let displacement = face.options().displacement;
-    let offset = |raw| displacement.scale * (f64::from(raw) * heights.unit() - displacement.zero);
-    let (low, high) = heights.raw_range();
-    let mut ends = [offset(low), offset(high)];
-    if face.options().closed {
-        let [a, b] = ends;
-        ends = [a.min(b).min(0.0), a.max(b).max(0.0)];
+impl Shell for ReliefFace {
+    /// Its base at the smallest and the largest offset, and at 0 as well if it has walls.
+    fn hull(&self) -> [DVec3; 8] {
+        let [corner, edge_u, edge_v, normal] = self.frame();
+        let (heights, options) = (self.relief().heights(), self.options());
+        let d = options.displacement;
+        let offset = |raw| d.scale * (f64::from(raw) * heights.unit() - d.zero);
+        let (low, high) = heights.raw_range();
+        let mut ends = [offset(low), offset(high)];
+        if options.closed {
+            let [a, b] = ends;
+            ends = [a.min(b).min(0.0), a.max(b).max(0.0)];
+        }
+        let base = [corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v];
+        std::array::from_fn(|k| base[k % 4] + ends[k / 4] * normal)
     }
-    let base = [corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v];
-    std::array::from_fn(|k| base[k % 4] + ends[k / 4] * normal)
 }

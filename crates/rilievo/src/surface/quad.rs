@@ -92,34 +92,29 @@ impl Quad {
     /// The hit within `0 <= t <= t_max`. `hit.surface` is 0.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let departure = ray.from.and_then(|from| self.departure(from));
-        self.closest_after(ray, departure.as_ref())
+        let (half, crossing) = self.meet(ray, departure.as_ref())?;
+        Some(self.complete(half, &crossing))
     }
 
     /// Whether the quad is met within `0 <= t <= t_max`.
     pub fn occludes(&self, ray: &Ray) -> bool {
         let departure = ray.from.and_then(|from| self.departure(from));
-        self.occludes_after(ray, departure.as_ref())
+        self.meet(ray, departure.as_ref()).is_some()
     }
 
     /// What a ray that starts at `from`, on this quad, leaves.
-    pub(crate) fn departure(&self, from: Origin) -> Option<Departure> {
+    pub(crate) fn departure(&self, from: Origin) -> Option<Departure<'_>> {
         match from.part {
-            Part::Whole => Some(Departure::from_parallelogram(self.corners, from.front)),
+            Part::Whole => Some(Departure::Parallelogram(&self.corners, from.front)),
             Part::Triangle(half @ 0..2) => {
-                Some(Departure::from_triangle(self.triangle(half as usize), from.front))
+                Some(Departure::Triangle(self.triangle(half as usize), from.front))
             }
             _ => None,
         }
     }
 
-    /// [`Quad::occludes`] for a ray that leaves `departure`, this quad or another surface.
-    pub(crate) fn occludes_after(&self, ray: &Ray, departure: Option<&Departure>) -> bool {
-        self.crossing(ray, departure).is_some()
-    }
-
-    /// [`Quad::closest`] for a ray that leaves `departure`, this quad or another surface.
-    pub(crate) fn closest_after(&self, ray: &Ray, departure: Option<&Departure>) -> Option<Hit> {
-        let (half, crossing) = self.crossing(ray, departure)?;
+    /// The hit behind a crossing of a half.
+    pub(crate) fn complete(&self, half: usize, crossing: &Crossing) -> Hit {
         let (position, position_error) =
             interpolate_position(&self.triangle(half), &crossing.weights);
         let normal = self.normals[half];
@@ -131,7 +126,7 @@ impl Quad {
             (false, 0) => [c1 - c0, c2 - c1],
             (false, _) => [c2 - c3, c3 - c0],
         };
-        Some(Hit {
+        Hit {
             t: crossing.t,
             position,
             position_error,
@@ -143,7 +138,7 @@ impl Quad {
             front: crossing.front,
             surface: 0,
             part: self.part(half),
-        })
+        }
     }
 
     fn triangle(&self, half: usize) -> [DVec3; 3] {
@@ -154,8 +149,13 @@ impl Quad {
         if self.parallelogram { Part::Whole } else { Part::Triangle(half as u32) }
     }
 
-    /// The nearer crossing of the two triangles within `[0, t_max]`, the first if they tie.
-    fn crossing(&self, ray: &Ray, departure: Option<&Departure>) -> Option<(usize, Crossing)> {
+    /// The nearer crossing of the two triangles within `[0, t_max]`, the first if they tie, for a
+    /// ray that leaves `departure`, this quad or another surface.
+    pub(crate) fn meet(
+        &self,
+        ray: &Ray,
+        departure: Option<&Departure<'_>>,
+    ) -> Option<(usize, Crossing)> {
         let own = ray.from.map(|from| from.part);
         if own == Some(Part::Whole) {
             return None;

@@ -68,7 +68,12 @@ impl Sphere {
 
     /// The nearest hit within `0 <= t <= t_max`. `hit.surface` is 0.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let (t, front) = self.meeting(ray)?;
+        let (t, front) = self.meet(ray)?;
+        Some(self.complete(ray, t, front))
+    }
+
+    /// The hit at `t`, as [`Sphere::meet`] found it.
+    pub(crate) fn complete(&self, ray: &Ray, t: f64, front: bool) -> Hit {
         let normal = self.outwards(ray, t);
         let arm = self.radius * normal;
         let (position, uv) = (self.center + arm, sphere_uv(normal));
@@ -80,7 +85,7 @@ impl Sphere {
             TAU * self.radius * DVec3::new(-normal.y, normal.x, 0.0),
             PI * self.radius * (-normal.z * meridian).extend(parallel.length()),
         ];
-        Some(Hit {
+        Hit {
             t,
             position,
             position_error: rounding.length(),
@@ -92,16 +97,16 @@ impl Sphere {
             front,
             surface: 0,
             part: Part::Whole,
-        })
+        }
     }
 
     /// Whether the sphere is met within `0 <= t <= t_max`.
     pub fn occludes(&self, ray: &Ray) -> bool {
-        self.meeting(ray).is_some()
+        self.meet(ray).is_some()
     }
 
     /// Parameter of the nearest meeting within `[0, t_max]`, and whether it is from outside.
-    fn meeting(&self, ray: &Ray) -> Option<(f64, bool)> {
+    pub(crate) fn meet(&self, ray: &Ray) -> Option<(f64, bool)> {
         let (f, d) = (ray.origin - self.center, ray.direction);
         let a = d.length_squared();
         let b = -f.dot(d);

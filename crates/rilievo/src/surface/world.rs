@@ -7,6 +7,7 @@ use crate::probe::Probe;
 use crate::ray::Ray;
 
 use super::Surface;
+use super::meeting::Meeting;
 
 /// Surfaces by index, ready to trace.
 #[derive(Clone, Debug)]
@@ -35,15 +36,38 @@ impl World {
     /// The nearest hit within `0 <= t <= t_max`; of several at the same `t`, that of the surface
     /// with the smallest index. `ray.from`, if any, names a surface of this world.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let (index, meeting) = self.first(ray, probe)?;
+        let mut hit = meeting.complete(ray);
+        hit.surface = index;
+        Some(hit)
+    }
+
+    /// [`World::closest`] for rays that start close together and go about the same way; `hits` takes
+    /// one answer a ray, the same as for the ray alone.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn closest_packet<P: Probe>(&self, rays: &[Ray], hits: &mut [Option<Hit>], probe: &mut P) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest(ray, probe);
+        }
+    }
+
+    /// Index and meeting of the nearest surface.
+    #[inline]
+    fn first<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<(u32, Meeting<'_>)> {
         let departure = self.departure(ray);
-        let mut best: Option<Hit> = None;
+        let mut best: Option<(u32, Meeting<'_>)> = None;
         self.tree.closest(ray, probe, |index, ray, probe| {
             let surface = &self.surfaces[index as usize];
-            let hit = surface.closest_after(&seen_by(index, ray), departure.as_ref(), probe);
-            let Some(hit) = hit else { return };
-            if best.is_none_or(|b| hit.t < b.t || (hit.t == b.t && index < b.surface)) {
-                ray.t_max = hit.t;
-                best = Some(Hit { surface: index, ..hit });
+            let found = surface.meet(&seen_by(index, ray), departure.as_ref(), probe);
+            let Some(found) = found else { return };
+            let t = found.t();
+            let nearer = |(i, b): &(u32, Meeting<'_>)| t < b.t() || (t == b.t() && index < *i);
+            if best.as_ref().is_none_or(nearer) {
+                ray.t_max = t;
+                best = Some((index, found));
             }
         });
         best
@@ -58,7 +82,18 @@ impl World {
         })
     }
 
-    fn departure(&self, ray: &Ray) -> Option<Departure> {
+    /// [`World::occluded`] by any surface but `exempt`: the light at the ray's end, which it is known
+    /// to meet only there.
+    pub fn occluded_before<P: Probe>(&self, ray: &Ray, exempt: u32, probe: &mut P) -> bool {
+        let departure = self.departure(ray);
+        self.tree.any(ray, probe, |index, ray, probe| {
+            let surface = &self.surfaces[index as usize];
+            index != exempt
+                && surface.occludes_after(&seen_by(index, ray), departure.as_ref(), probe)
+        })
+    }
+
+    fn departure(&self, ray: &Ray) -> Option<Departure<'_>> {
         let from = ray.from?;
         self.surfaces.get(from.surface as usize)?.departure(from)
     }
@@ -210,9 +245,17 @@ mod tests {
                 _ => Surface::Sphere(Sphere::new(c, 0.1 + 0.4 * random.unit()).expect("valid")),
             });
         }
-        let world = World::new(surfaces);
-        assert!(world.surfaces().iter().all(|s| world.bounds().contains(&s.bounds())));
-        for case in 0..20_000 {
+        // Worlds with a tree and worlds so small that they are a list.
+        for (count, cases) in [(60, 20_000), (4, 5000), (3, 5000), (1, 5000)] {
+            let world = World::new(surfaces[..count].to_vec());
+            assert!(world.surfaces().iter().all(|s| world.bounds().contains(&s.bounds())));
+            check_against_every_surface(&world, cases, &mut random);
+        }
+    }
+
+    fn check_against_every_surface(world: &World, cases: usize, random: &mut Random) {
+        let mut packet = Vec::new();
+        for case in 0..cases {
             let mut ray = Ray::new(3.0 * random.cube(), random.direction());
             ray.t_max = if case % 4 == 0 { 2.0 } else { f64::INFINITY };
             let hit = world.closest(&ray, &mut ());
@@ -224,6 +267,19 @@ mod tests {
             let brute = brute.min_by(|a, b| a.t.total_cmp(&b.t));
             assert_eq!(hit, brute);
             assert_eq!(hit.is_some(), world.occluded(&ray, &mut ()));
+            for exempt in 0..world.surfaces().len() as u32 {
+                let others = world.surfaces().iter().enumerate();
+                let mut others = others.filter(|&(index, _)| index as u32 != exempt);
+                let expected = others.any(|(_, surface)| surface.occludes(&ray, &mut ()));
+                assert_eq!(world.occluded_before(&ray, exempt, &mut ()), expected);
+            }
+            packet.push((ray, hit));
+            if packet.len() == 1 + case % 20 {
+                let (rays, expected): (Vec<_>, Vec<_>) = packet.drain(..).unzip();
+                let mut hits = vec![None; rays.len()];
+                world.closest_packet(&rays, &mut hits, &mut ());
+                assert_eq!(hits, expected);
+            }
         }
     }
 

@@ -24,7 +24,7 @@ pub use stored::{NormalConvention, NormalMap, NormalMapError, NormalTexels};
 
 use glam::DVec3;
 
-use super::height::HeightMap;
+use super::height::{HeightMap, Samples};
 use super::lattice::Axis;
 use super::metric::Metric;
 
@@ -49,44 +49,84 @@ impl NormalKind {
         cell: [i32; 2],
         local: [f64; 2],
     ) -> DVec3 {
+        self.direction_at(heights, metric, cell, local).normalize_or(DVec3::Z)
+    }
+
+    /// [`NormalKind::normal_at`] in any length: it is made into a normal of the world once, at the
+    /// end.
+    #[inline]
+    pub(crate) fn direction_at(
+        self,
+        heights: &HeightMap,
+        metric: Metric,
+        cell: [i32; 2],
+        local: [f64; 2],
+    ) -> DVec3 {
+        let steepness = [metric.z / metric.x, metric.z / metric.y];
         match self {
             Self::Exact => {
                 let h = heights.unfolded_corners(cell[0], cell[1]).map(f64::from);
                 let [fx, fy] = local;
                 let along_x = (h[1] - h[0]) * (1.0 - fy) + (h[3] - h[2]) * fy;
                 let along_y = (h[2] - h[0]) * (1.0 - fx) + (h[3] - h[1]) * fx;
-                of_slopes(metric, [along_x, along_y])
+                DVec3::new(-along_x * steepness[0], -along_y * steepness[1], 1.0)
             }
             Self::Smooth | Self::Published => {
-                let corner = |right, up| self.at_corner(heights, metric, cell, [right, up]);
-                let corners = [
-                    corner(false, false),
-                    corner(true, false),
-                    corner(false, true),
-                    corner(true, true),
-                ];
-                interpolate(corners, local)
+                let slopes = match (self, surroundings(heights, cell)) {
+                    (Self::Smooth, Some(rows)) => smooth_slopes(&rows),
+                    _ => self.slopes_at_corners(heights, cell),
+                };
+                interpolate(slopes, steepness, local)
             }
         }
     }
 
-    /// The unit normal at a corner of an unfolded cell, as seen from the cell; `far[a]` chooses the
-    /// corner at the larger coordinate.
-    fn at_corner(
-        self,
-        heights: &HeightMap,
-        metric: Metric,
-        cell: [i32; 2],
-        far: [bool; 2],
-    ) -> DVec3 {
-        let x = Stencil::new(heights.x(), cell[0], far[0]);
-        let y = Stencil::new(heights.y(), cell[1], far[1]);
+    /// Slopes along x and along y, raw units per cell, at the corners `[00, 10, 01, 11]` of an
+    /// unfolded cell, as seen from the cell.
+    fn slopes_at_corners(self, heights: &HeightMap, cell: [i32; 2]) -> [[f64; 2]; 4] {
         let raw = |i: u32, j: u32| f64::from(heights.raw(i, j));
-        let own = raw(x.own, y.own);
-        let slope_x = x.slope(self, own, |i| raw(i, y.own));
-        let slope_y = y.slope(self, own, |j| raw(x.own, j));
-        of_slopes(metric, [slope_x, slope_y])
+        let mut slopes = [[0.0; 2]; 4];
+        for (k, slope) in slopes.iter_mut().enumerate() {
+            let x = Stencil::new(heights.x(), cell[0], k % 2 == 1);
+            let y = Stencil::new(heights.y(), cell[1], k / 2 == 1);
+            let own = raw(x.own, y.own);
+            let along_x = x.slope(self, own, |i| raw(i, y.own));
+            *slope = [along_x, y.slope(self, own, |j| raw(x.own, j))];
+        }
+        slopes
     }
+}
+
+/// The 4 x 4 samples around an unfolded cell, row by row, if the map holds them all side by side:
+/// next to no cell of a large map lies elsewhere.
+#[inline]
+fn surroundings(heights: &HeightMap, cell: [i32; 2]) -> Option<[[f64; 4]; 4]> {
+    let first = |axis: &Axis, i: i32| {
+        let inside = i >= 1 && i.saturating_add(2) < axis.samples() as i32;
+        inside.then(|| i as usize - 1)
+    };
+    let (i, j) = (first(heights.x(), cell[0])?, first(heights.y(), cell[1])?);
+    let width = heights.width() as usize;
+    let mut rows = [[0.0; 4]; 4];
+    for (k, row) in rows.iter_mut().enumerate() {
+        let at = (j + k) * width + i;
+        *row = match heights.samples() {
+            Samples::U16(codes) => codes.get(at..)?.first_chunk::<4>()?.map(f64::from),
+            Samples::F32(values) => values.get(at..)?.first_chunk::<4>()?.map(f64::from),
+        };
+    }
+    Some(rows)
+}
+
+/// [`NormalKind::slopes_at_corners`] of [`NormalKind::Smooth`] inside a map.
+#[inline]
+fn smooth_slopes(rows: &[[f64; 4]; 4]) -> [[f64; 2]; 4] {
+    let mean = |before: f64, own: f64, after: f64| 0.5 * ((own - before) + (after - own));
+    std::array::from_fn(|k| {
+        let (i, j) = (1 + k % 2, 1 + k / 2);
+        let along_x = mean(rows[j][i - 1], rows[j][i], rows[j][i + 1]);
+        [along_x, mean(rows[j - 1][i], rows[j][i], rows[j + 1][i])]
+    })
 }
 
 /// The samples around a corner of a cell along one axis.
@@ -125,14 +165,18 @@ impl Stencil {
     }
 }
 
-/// The unit normal of slopes in raw units per cell.
-fn of_slopes(metric: Metric, [x, y]: [f64; 2]) -> DVec3 {
-    DVec3::new(-x * metric.z / metric.x, -y * metric.z / metric.y, 1.0).normalize_or(DVec3::Z)
-}
-
-/// Bilinear mix of the normals at the corners `[00, 10, 01, 11]` of a cell, renormalised.
-fn interpolate([a, b, c, d]: [DVec3; 4], [u, v]: [f64; 2]) -> DVec3 {
-    a.lerp(b, u).lerp(c.lerp(d, u), v).normalize_or(DVec3::Z)
+/// Bilinear mix of the unit normals at the corners of a cell, from their slopes in raw units per
+/// cell; `steepness` is scene units per scene unit for one raw unit per cell.
+#[inline]
+fn interpolate(slopes: [[f64; 2]; 4], steepness: [f64; 2], [u, v]: [f64; 2]) -> DVec3 {
+    let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+    let mut sum = DVec3::ZERO;
+    for ([along_x, along_y], weight) in slopes.into_iter().zip(weights) {
+        let (x, y) = (along_x * steepness[0], along_y * steepness[1]);
+        let length = (x * x + y * y + 1.0).sqrt();
+        sum += weight / length * DVec3::new(-x, -y, 1.0);
+    }
+    sum
 }
 
 #[cfg(test)]
@@ -200,6 +244,28 @@ mod tests {
             let want = DVec3::new(-0.5 * gu, -0.5 * gv, 1.0).normalize();
             let n = NormalKind::Exact.normal_at(&map, metric, cell, local);
             assert!((n - want).length() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn inside_a_map_neighbours_are_read_at_once() {
+        for lattice in [Lattice::Vertex, Lattice::Texel] {
+            for wrap in WRAPS {
+                let floats = rough(lattice, wrap);
+                let shape = Procedural::Fbm { octaves: 3, seed: 5 };
+                let codes = shape.height_map([9, 7], lattice, wrap).unwrap();
+                for map in [floats, codes] {
+                    let mut inside = 0;
+                    for (i, j) in (-12..24).flat_map(|i| (-12..24).map(move |j| (i, j))) {
+                        if let Some(rows) = surroundings(&map, [i, j]) {
+                            let slow = NormalKind::Smooth.slopes_at_corners(&map, [i, j]);
+                            assert_eq!(smooth_slopes(&rows), slow);
+                            inside += 1;
+                        }
+                    }
+                    assert_eq!(inside, 6 * 4);
+                }
+            }
         }
     }
 

@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::{NormalKind, interpolate};
+use super::NormalKind;
 use crate::map::{Axis, HeightMap, Lattice, Metric, Wrap};
 
 /// Sign of the green channel of a normal map's texels.
@@ -78,13 +78,8 @@ impl NormalMap {
             for i in 0..x.samples() {
                 let (cell_x, right) = place(&x, i);
                 let cell = [cell_x, cell_y];
-                let normal = match kind {
-                    NormalKind::Exact => {
-                        let local = [right, up].map(|far| f64::from(u8::from(far)));
-                        kind.normal_at(heights, metric, cell, local)
-                    }
-                    _ => kind.at_corner(heights, metric, cell, [right, up]),
-                };
+                let local = [right, up].map(|far| f64::from(u8::from(far)));
+                let normal = kind.normal_at(heights, metric, cell, local);
                 normals.push(normal.as_vec3().to_array());
             }
         }
@@ -168,9 +163,9 @@ impl NormalMap {
             let y = if mirrored(&self.y, cell[1], up) { -y } else { y };
             DVec3::new(x, y, z)
         };
-        let corners =
-            [normal(false, false), normal(true, false), normal(false, true), normal(true, true)];
-        interpolate(corners, local)
+        let low = normal(false, false).lerp(normal(true, false), local[0]);
+        let high = normal(false, true).lerp(normal(true, true), local[0]);
+        low.lerp(high, local[1]).normalize_or(DVec3::Z)
     }
 
     /// The same relief's normals on a face of another size or depth: made in metric `from`, used in
