@@ -28,7 +28,7 @@ use rilievo::{Hit, Ray};
 use super::RayCounts;
 use crate::colour::Rgb;
 use crate::light::Light;
-use crate::sampler::{Dimension, Sampler, Strand, warp};
+use crate::sampler::{Dimension, PixelTable, Strand, warp};
 use crate::scene::{Material, Scene};
 
 /// A place in the tree of rays of a pixel.
@@ -76,18 +76,15 @@ impl Facing {
     }
 }
 
-/// Traces the tree of rays of one pixel.
+/// Traces the trees of rays of one pixel.
 pub(super) struct Distributed<'a> {
-    scene: &'a Scene,
-    sampler: Sampler,
-    rays: &'a mut RayCounts,
+    pub(super) scene: &'a Scene,
+    /// At that pixel.
+    pub(super) table: &'a mut PixelTable,
+    pub(super) rays: &'a mut RayCounts,
 }
 
-impl<'a> Distributed<'a> {
-    pub(super) fn new(scene: &'a Scene, sampler: Sampler, rays: &'a mut RayCounts) -> Self {
-        Self { scene, sampler, rays }
-    }
-
+impl Distributed<'_> {
     /// Radiance that arrives against `ray`, given what it meets.
     pub(super) fn radiance(&mut self, ray: &Ray, hit: Option<&Hit>, path: Path) -> Rgb {
         let Some(hit) = hit else {
@@ -141,11 +138,10 @@ impl<'a> Distributed<'a> {
     /// Mean radiance over the cosine-weighted hemisphere, less what comes straight from lights.
     fn bounce(&mut self, hit: &Hit, facing: &Facing, split: Split, path: Path) -> Rgb {
         let dimension = Dimension::Bounce { depth: path.depth };
-        let strata = self.sampler.strata(dimension, path.strand.split(0, split.diffuse).count);
         let (right, up) = facing.shading.any_orthonormal_pair();
         let mut sum = Rgb::ZERO;
         for branch in 0..split.diffuse {
-            let u = strata.point(path.strand.split(branch, split.diffuse).index);
+            let u = self.table.point(dimension, path.strand.split(branch, split.diffuse));
             let local = warp::square_to_hemisphere(u);
             let direction = local.x * right + local.y * up + local.z * facing.shading;
             // Like light from there: below the surface there is none.
@@ -182,10 +178,9 @@ impl<'a> Distributed<'a> {
         let Some(view) = light.view(hit.position) else { return Rgb::ZERO };
         let count = self.scene.settings().shadow_samples;
         let dimension = Dimension::Light { depth: path.depth, light: index };
-        let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let mut sum = Rgb::ZERO;
         for k in 0..count {
-            let u = strata.point(path.strand.split(k, count).index);
+            let u = self.table.point(dimension, path.strand.split(k, count));
             let Some(sample) = view.sample(u) else {
                 continue;
             };
@@ -195,7 +190,16 @@ impl<'a> Distributed<'a> {
             }
             self.rays.shadow += 1;
             let way = hit.spawn(sample.position - hit.position);
-            if !self.scene.world().occluded(&Ray { t_max: sample.clear, ..way }, &mut ()) {
+            let ray = Ray { t_max: sample.clear, ..way };
+            let world = self.scene.world();
+            let hidden = match light {
+                // No other part of the light is in the way of what is seen of it.
+                Light::Quad(_) | Light::Sphere(_) => {
+                    world.occluded_before(&ray, light.surface(), &mut ())
+                }
+                Light::Triangle(_) => world.occluded(&ray, &mut ()),
+            };
+            if !hidden {
                 sum += cosine * sample.weight;
             }
         }
@@ -212,14 +216,13 @@ impl<'a> Distributed<'a> {
     ) -> Rgb {
         let (glossy, count) = (alpha > 0.0, split.reflection);
         let dimension = Dimension::Gloss { depth: path.depth };
-        let strata = self.sampler.strata(dimension, path.strand.split(0, count).count);
         let normal = visible_shading_normal(facing, view);
         let (right, up) = normal.any_orthonormal_pair();
         let local_view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal).max(0.0));
         let mut sum = Rgb::ZERO;
         for branch in 0..count {
             let facet = if glossy {
-                let u = strata.point(path.strand.split(branch, count).index);
+                let u = self.table.point(dimension, path.strand.split(branch, count));
                 let m = warp::square_to_visible_normal(u, local_view, alpha);
                 m.x * right + m.y * up + m.z * normal
             } else {

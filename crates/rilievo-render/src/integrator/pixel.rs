@@ -8,20 +8,27 @@ use super::distributed::{Distributed, Path};
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::{Aov, PixelMut};
-use crate::sampler::{Dimension, Sampler, Strand};
+use crate::sampler::{Dimension, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
+
+/// Camera rays of a pixel that are traced as one packet.
+const PACKET: usize = 16;
 
 /// Traces pixels one after the other and counts their rays.
 pub(crate) struct PixelTracer<'a> {
     scene: &'a Scene,
     pixel_centers: bool,
     rays: RayCounts,
+    table: PixelTable,
     sums: Vec<LayerSum>,
+    packet: Packet,
 }
 
 impl<'a> PixelTracer<'a> {
     pub(crate) fn new(scene: &'a Scene, pixel_centers: bool) -> Self {
-        Self { scene, pixel_centers, rays: RayCounts::default(), sums: Vec::new() }
+        let table = PixelTable::new(scene.lights().len());
+        let (rays, packet) = (RayCounts::default(), Packet::new());
+        Self { scene, pixel_centers, rays, table, sums: Vec::new(), packet }
     }
 
     /// Rays traced so far.
@@ -33,35 +40,34 @@ impl<'a> PixelTracer<'a> {
     pub(crate) fn trace(&mut self, pixel: [u32; 2], out: &mut PixelMut<'_>) {
         let settings = self.scene.settings();
         let samples = if self.pixel_centers { 1 } else { u64::from(settings.samples) };
-        let sampler = Sampler::new(settings.seed, pixel);
-        let strata = sampler.strata(Dimension::Pixel, samples);
-        let center = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+        self.table.start(Sampler::new(settings.seed, pixel));
         self.sums.clear();
         self.sums.resize(out.layers().count(), LayerSum::EMPTY);
         let steps = out.layers().any(|(aov, _)| aov == Aov::Steps);
         let mut radiance = Rgb::ZERO;
-        for index in 0..samples {
-            let place = if self.pixel_centers {
-                center
-            } else {
-                center + settings.filter.sample(strata.point(index))
-            };
-            let ray = self.scene.camera().ray(place.x, place.y);
-            self.rays.camera += 1;
-            let (hit, work) = self.first_hit(&ray, steps);
-            radiance += match settings.integrator {
-                Integrator::Distributed => {
-                    let path = Path::from_camera(Strand { index, count: samples });
-                    Distributed::new(self.scene, sampler, &mut self.rays).radiance(
-                        &ray,
-                        hit.as_ref(),
-                        path,
-                    )
+        for first in (0..samples).step_by(PACKET) {
+            let strands = (first..samples.min(first + PACKET as u64))
+                .map(|index| Strand { index, count: samples });
+            self.packet.rays.clear();
+            for strand in strands.clone() {
+                let ray = self.camera_ray(pixel, strand);
+                self.packet.rays.push(ray);
+            }
+            self.rays.camera += self.packet.rays.len() as u64;
+            self.packet.trace(self.scene, steps);
+            for (k, strand) in strands.enumerate() {
+                let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+                radiance += match settings.integrator {
+                    Integrator::Distributed => {
+                        let (table, rays) = (&mut self.table, &mut self.rays);
+                        let mut tree = Distributed { scene: self.scene, table, rays };
+                        tree.radiance(ray, hit, Path::from_camera(strand))
+                    }
+                    Integrator::Aov => headlight(self.scene, ray, hit),
+                };
+                for ((aov, _), sum) in out.layers().zip(&mut self.sums) {
+                    sum.add(aov, self.scene, hit, self.packet.work[k]);
                 }
-                Integrator::Aov => headlight(self.scene, &ray, hit.as_ref()),
-            };
-            for ((aov, _), sum) in out.layers().zip(&mut self.sums) {
-                sum.add(aov, self.scene, hit.as_ref(), work);
             }
         }
         *out.radiance = (radiance / samples as f64).to_array().map(|channel| channel as f32);
@@ -70,15 +76,41 @@ impl<'a> PixelTracer<'a> {
         }
     }
 
-    /// What a ray meets, and the work it took if that is wanted.
-    fn first_hit(&self, ray: &Ray, count: bool) -> (Option<Hit>, u64) {
-        let world = self.scene.world();
-        if count {
+    /// The camera ray of a sample of `pixel`.
+    fn camera_ray(&mut self, pixel: [u32; 2], strand: Strand) -> Ray {
+        let mut place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+        if !self.pixel_centers {
+            let u = self.table.point(Dimension::Pixel, strand);
+            place += self.scene.settings().filter.sample(u);
+        }
+        self.scene.camera().ray(place.x, place.y)
+    }
+}
+
+/// Camera rays of one pixel, and what they meet.
+struct Packet {
+    rays: Vec<Ray>,
+    hits: [Option<Hit>; PACKET],
+    /// Work that each ray took, if it was counted.
+    work: [u64; PACKET],
+}
+
+impl Packet {
+    fn new() -> Self {
+        Self { rays: Vec::with_capacity(PACKET), hits: [None; PACKET], work: [0; PACKET] }
+    }
+
+    /// Finds all hits; rays whose work is wanted go one by one.
+    fn trace(&mut self, scene: &Scene, count: bool) {
+        let world = scene.world();
+        if !count {
+            let hits = &mut self.hits[..self.rays.len()];
+            return world.closest_packet(&self.rays, hits, &mut ());
+        }
+        for (k, ray) in self.rays.iter().enumerate() {
             let mut counters = Counters::default();
-            let hit = world.closest(ray, &mut counters);
-            (hit, counters.total())
-        } else {
-            (world.closest(ray, &mut ()), 0)
+            self.hits[k] = world.closest(ray, &mut counters);
+            self.work[k] = counters.total();
         }
     }
 }

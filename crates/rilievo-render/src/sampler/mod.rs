@@ -10,7 +10,10 @@
 //! which the permutation leaves a random few cells empty. Each point on its own stays uniform, so
 //! estimates stay unbiased. Permutations are hashed by cycle walking \[Kensler2013\].
 
+mod table;
 pub mod warp;
+
+pub(crate) use table::PixelTable;
 
 use glam::DVec2;
 
@@ -94,7 +97,21 @@ pub struct Strata {
 impl Strata {
     /// The point of sample `index`, in `[0, 1)^2`.
     pub fn point(&self, index: u64) -> DVec2 {
-        let cell = self.permutation.image(index % (self.nx * self.ny));
+        self.point_in(self.permutation.image(index % (self.nx * self.ny)))
+    }
+
+    /// Appends the points of samples 0 to `count - 1`, which are no more than there are cells.
+    fn extend(&self, count: u64, points: &mut Vec<DVec2>) {
+        for first in (0..count).step_by(LANES) {
+            let images = self.permutation.images(first);
+            let some = images.into_iter().take((count - first) as usize);
+            points.extend(some.map(|cell| self.point_in(cell)));
+        }
+    }
+
+    /// The point of a cell.
+    #[inline]
+    fn point_in(&self, cell: u64) -> DVec2 {
         let jitter = hash(self.jitter, cell);
         let x = (cell % self.nx) as f64 + unit(jitter >> 32);
         let y = (cell / self.nx) as f64 + unit(jitter & 0xffff_ffff);
@@ -134,6 +151,9 @@ fn hash(key: u64, value: u64) -> u64 {
     z
 }
 
+/// Images of a permutation that are found at once.
+const LANES: usize = 16;
+
 /// A permutation of `0..count`, hashed.
 ///
 /// Each round is a bijection of the next power of two; walking on until the image lies below
@@ -150,7 +170,31 @@ impl Permutation {
         Self { count, rounds: [1, 2, 3, 4, 5, 6, 7, 8].map(|round| hash(key, round)) }
     }
 
-    /// The image of `i`, which must be below `count`.
+    /// The images of `first` and the numbers after it, for counts up to 2^15; 0 where a number is no
+    /// longer below `count`. All arithmetic of [`Permutation::image`] is modulo a power of two no
+    /// larger than 2^15, so 16 bits suffice.
+    fn images(&self, first: u64) -> [u64; LANES] {
+        let mask = (self.count.next_power_of_two() - 1) as u16;
+        let shift = (mask.count_ones() / 2).max(1);
+        let mut lanes: [u16; LANES] = std::array::from_fn(|k| first as u16 + k as u16);
+        for k in self.rounds {
+            let (flip, factor, offset) = (k as u16, (k >> 32) as u16 | 1, (k >> 24) as u16);
+            for i in &mut lanes {
+                *i = (*i ^ flip) & mask;
+                *i = i.wrapping_mul(factor) & mask;
+                *i ^= *i >> shift;
+                *i = i.wrapping_add(offset) & mask;
+            }
+        }
+        std::array::from_fn(|k| match (u64::from(lanes[k]), first + k as u64) {
+            (_, i) if i >= self.count => 0,
+            (image, _) if image < self.count => image,
+            // Walk on.
+            (image, _) => self.image(image),
+        })
+    }
+
+    /// The image of `i`, which must be below the next power of two of `count`.
     fn image(&self, mut i: u64) -> u64 {
         let mask = self.count.next_power_of_two() - 1;
         let shift = (mask.count_ones() / 2).max(1);
