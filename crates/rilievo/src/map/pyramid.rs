@@ -21,6 +21,7 @@
 //!
 //! **Measured** (one core, release, 4096 x 4096 u16, 2026-11): see docs/METHODS.md.
 
+mod blocks;
 mod build;
 mod code;
 mod layout;

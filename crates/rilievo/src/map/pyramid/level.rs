@@ -7,11 +7,12 @@
 //! of this is exact in `f32`. Since `lo` and `hi` themselves are kept, the level above is made from
 //! exact codes, not from rounded ones, and can be made again from stored nodes after an edit.
 //!
-//! **Rounding.** `q` is the whole part of a quotient of whole numbers below 2^17 and of 257 at most.
-//! It is computed by one `f32` division: a quotient that is not whole is at least 1/257 away from
-//! the next whole number, the rounding error of one below 259 at most 2^-16, so the whole part is
-//! right.
+//! **Rounding.** For whole numbers, `floor(a / step)` is the whole number nearest to
+//! `(a - (step - 1) / 2) / step`, and `ceil` that of the same with a plus. Neither comes nearer to
+//! the middle between two whole numbers than `1 / (2 step) >= 1/514`; computed in `f32` from the
+//! rounded `1 / step` both are below 257 and off by less than `257 * 2^-23`. So the nearest is right.
 
+use super::code::whole;
 use super::layout::Layout;
 
 /// Children a node has, and blocks along one side of a node.
@@ -103,16 +104,15 @@ fn range(max: &Wide, min: &Wide) -> [u16; 2] {
 #[inline]
 fn tiny(max: &Wide, min: &Wide, range: [u16; 2]) -> [[u8; LANES]; 2] {
     let step = tiny_step(range) as f32;
-    let lo = f32::from(range[0]);
+    let (half, inverse) = ((step - 1.0) / 2.0, 1.0 / step);
+    let (above, below) = (f32::from(range[0]) - half, f32::from(range[0]) + half);
     let mut out = [[0; LANES], [255; LANES]];
     for lane in 0..LANES {
-        let (hi_code, lo_code) = (f32::from(max[lane]), f32::from(min[lane]));
-        let up = (hi_code - lo + (step - 1.0)) / step;
-        let down = (lo_code - lo) / step;
-        if min[lane] <= max[lane] {
-            out[0][lane] = up as u8;
-            out[1][lane] = down as u8;
-        }
+        let up = whole((f32::from(max[lane]) - above) * inverse);
+        let down = whole((f32::from(min[lane]) - below) * inverse);
+        let occupied = min[lane] <= max[lane];
+        out[0][lane] = if occupied { up as u8 } else { 0 };
+        out[1][lane] = if occupied { down as u8 } else { 255 };
     }
     out
 }

@@ -17,9 +17,13 @@ pub(super) fn maps() -> Vec<HeightMap> {
         for lattice in [Lattice::Vertex, Lattice::Texel] {
             for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
                 let n = w * h;
-                let codes = (0..n).map(|k| noise(k) as u16).collect();
+                let codes = Samples::U16((0..n).map(|k| noise(k) as u16).collect());
                 let floats = (0..n).map(|k| noise(k) as f32 * 1e-6 - 1500.0).collect();
-                for samples in [Samples::U16(codes), Samples::F32(floats)] {
+                let floats = Samples::F32(floats);
+                // So far from 0 that many codes stand for one value.
+                let coarse = (0..n).map(|k| 3e6 + (noise(k) % 8) as f32 / 4.0).collect();
+                let coarse = Samples::F32(coarse);
+                for samples in [codes, floats, coarse] {
                     let map = HeightMap::new(w as u32, h as u32, samples, lattice, wrap);
                     maps.push(map.unwrap());
                 }
