@@ -87,7 +87,9 @@ fn refused(context: Context<'_>, height: u32, error: HeightMapError) -> Error {
             let allowed = "finite numbers below 1e18 in size";
             invalid(place, "height", value.to_string(), allowed)
         }
-        other @ HeightMapError::WrongCount { .. } => context.damaged(other),
+        other @ (HeightMapError::WrongCount { .. } | HeightMapError::NotInside { .. }) => {
+            context.damaged(other)
+        }
     }
 }
 

@@ -7,7 +7,13 @@
 //!
 //! Between samples the height is bilinear: that is the surface, not an approximation of it.
 
+mod edit;
+
+use std::ops::Range;
+
 use super::lattice::{Axis, Lattice, Run, Wrap};
+
+pub use edit::RowMut;
 
 /// The samples of a height map, row-major, row 0 at `v = 0`.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,9 +86,21 @@ pub enum HeightMapError {
         /// The value found.
         value: f32,
     },
+    /// A rectangle to edit reaches beyond the map, or ends before it begins.
+    #[error("samples {x:?} x {y:?} are not a part of a map of {width} x {height}")]
+    NotInside {
+        /// Columns asked for.
+        x: Range<u32>,
+        /// Rows asked for.
+        y: Range<u32>,
+        /// Samples along u.
+        width: u32,
+        /// Samples along v.
+        height: u32,
+    },
 }
 
-/// A grid of heights with a lattice and a wrap mode. Immutable and valid by construction.
+/// A grid of heights with a lattice and a wrap mode, valid by construction and after every edit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     x: Axis,
@@ -114,26 +132,13 @@ impl HeightMap {
         if samples.len() as u64 != u64::from(width) * u64::from(height) {
             return Err(HeightMapError::WrongCount { width, height, found: samples.len() });
         }
-        let (raw_min, raw_max) = match &samples {
-            Samples::U16(v) => {
-                let lo = v.iter().copied().min().unwrap_or(0);
-                let hi = v.iter().copied().max().unwrap_or(0);
-                (f32::from(lo), f32::from(hi))
-            }
-            Samples::F32(v) => {
-                let bad = v.iter().position(|h| !h.is_finite() || h.abs() > 1e18);
-                if let Some(at) = bad {
-                    let (i, j) = (at % width as usize, at / width as usize);
-                    return Err(HeightMapError::NotFinite {
-                        i: i as u32,
-                        j: j as u32,
-                        value: v[at],
-                    });
-                }
-                v.iter()
-                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
-            }
-        };
+        if let Samples::F32(v) = &samples
+            && let Some(at) = v.iter().position(|&h| !is_height(h))
+        {
+            let (i, j) = ((at % width as usize) as u32, (at / width as usize) as u32);
+            return Err(HeightMapError::NotFinite { i, j, value: v[at] });
+        }
+        let (raw_min, raw_max) = range(&samples);
         let (x, y) = (Axis::new(width, lattice, wrap), Axis::new(height, lattice, wrap));
         Ok(Self { x, y, samples, raw_min, raw_max })
     }
@@ -255,6 +260,24 @@ impl HeightMap {
     /// Bytes held by the samples.
     pub fn bytes(&self) -> u64 {
         self.samples.bytes()
+    }
+}
+
+/// Whether a number may be a height.
+fn is_height(h: f32) -> bool {
+    h.abs() <= 1e18
+}
+
+/// Lowest and highest raw value.
+fn range(samples: &Samples) -> (f32, f32) {
+    match samples {
+        Samples::U16(v) => {
+            let (lo, hi) = v.iter().fold((u16::MAX, 0), |(lo, hi), &h| (lo.min(h), hi.max(h)));
+            (f32::from(lo), f32::from(hi))
+        }
+        Samples::F32(v) => {
+            v.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
+        }
     }
 }
 

@@ -13,7 +13,7 @@ pub use distance::{
     Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
     DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,
 };
-pub use height::{HeightMap, HeightMapError, Samples};
+pub use height::{HeightMap, HeightMapError, RowMut, Samples};
 pub use lattice::{Axis, Lattice, Run, Wrap};
 pub use metric::Metric;
 pub use normal::{NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels};

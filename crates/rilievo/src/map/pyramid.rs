@@ -24,6 +24,7 @@
 mod blocks;
 mod build;
 mod code;
+mod edit;
 mod layout;
 mod level;
 mod verify;

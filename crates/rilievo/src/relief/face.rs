@@ -98,14 +98,45 @@ impl ReliefFace {
         if off.is_nan() || off > 1e-9 * reach {
             return Err(FaceError::NotParallelogram { found: c2, expected });
         }
+        Self::placed([c0, edge_u, edge_v], relief, options)
+    }
+
+    /// The same face under another displacement: depth, zero, tile and shift cost nothing, the
+    /// relief is shared.
+    ///
+    /// # Errors
+    /// As [`ReliefFace::new`], for numbers of the displacement.
+    pub fn with_displacement(&self, displacement: Displacement) -> Result<Self, FaceError> {
+        let options = FaceOptions { displacement, ..self.options.clone() };
+        self.remade(Arc::clone(&self.relief), options)
+    }
+
+    /// The same face over another relief, an edited one for instance.
+    ///
+    /// # Errors
+    /// As [`ReliefFace::new`], for a distance map that is missing or too many cells.
+    pub fn with_relief(&self, relief: Arc<Relief>) -> Result<Self, FaceError> {
+        self.remade(relief, self.options.clone())
+    }
+
+    fn remade(&self, relief: Arc<Relief>, options: FaceOptions) -> Result<Self, FaceError> {
+        let Placement { corner, edge_u, edge_v, .. } = self.placement;
+        Self::placed([corner, edge_u, edge_v], relief, options)
+    }
+
+    /// A face by its first corner and its edges along u and v.
+    fn placed(
+        frame: [DVec3; 3],
+        relief: Arc<Relief>,
+        options: FaceOptions,
+    ) -> Result<Self, FaceError> {
         check_displacement(&options.displacement)?;
         if let Some(kind) = distance_kind(options.method)
             && relief.distance(kind).is_none()
         {
             return Err(FaceError::NoDistanceMap { method: options.method, kind });
         }
-        let placement =
-            Placement::new([c0, edge_u, edge_v], relief.heights(), options.displacement);
+        let placement = Placement::new(frame, relief.heights(), options.displacement);
         let farthest = placement.window.farthest();
         if farthest > MAX_COORDINATE {
             return Err(FaceError::TooManyCells { found: farthest });

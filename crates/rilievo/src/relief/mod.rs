@@ -36,7 +36,11 @@ mod tile;
 mod trace;
 mod walk;
 
-use crate::map::{DistanceKind, DistanceMap, HeightMap, Layout, Pyramid};
+use std::ops::Range;
+
+use crate::map::{
+    DistanceKind, DistanceMap, HeightMap, HeightMapError, Layout, Pyramid, RowMut, Samples,
+};
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
@@ -102,6 +106,59 @@ impl Relief {
         self.distances.retain(|m| m.kind() != map.kind());
         self.distances.push(map);
         Ok(self)
+    }
+
+    /// Changes the samples of columns `x` and rows `y` as [`HeightMap::edit`] does, and follows with
+    /// the pyramid, of which only what lies above the rectangle is made anew: it equals that of a
+    /// new relief, and so do all hits. Float heights whose range changes cost a full build.
+    /// Distance maps are dropped: no part of one can be kept.
+    ///
+    /// Faces share their relief and hold bounds that depend on its range, so an edit needs a relief
+    /// that no face holds. A live edit goes in three steps: take what the faces were made of (their
+    /// options) and drop them, edit through [`Arc::get_mut`](std::sync::Arc::get_mut), make the
+    /// faces again, which costs nothing to speak of.
+    /// [`Arc::make_mut`](std::sync::Arc::make_mut) works while faces are in use, for instance by a
+    /// render that is under way, but copies heights and pyramid first;
+    /// [`ReliefFace::with_relief`] then moves a face to the edited relief.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use rilievo::map::{HeightMap, Lattice, RowMut, Samples, Wrap};
+    /// use rilievo::relief::Relief;
+    ///
+    /// let samples = Samples::U16(vec![0; 256 * 256]);
+    /// let map = HeightMap::new(256, 256, samples, Lattice::Texel, Wrap::Repeat)?;
+    /// let mut relief = Arc::new(Relief::new(map));
+    /// let mine = Arc::get_mut(&mut relief).expect("no face holds it");
+    /// mine.edit([100..164, 10..74], |_row, samples| {
+    ///     if let RowMut::U16(codes) = samples {
+    ///         codes.fill(40_000);
+    ///     }
+    /// })?;
+    /// assert_eq!(relief.heights().raw_range(), (0.0, 40_000.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`HeightMap::edit`]; the relief is then as it was.
+    pub fn edit(
+        &mut self,
+        [x, y]: [Range<u32>; 2],
+        change: impl FnMut(u32, RowMut<'_>),
+    ) -> Result<(), HeightMapError> {
+        let loose = self.heights.edit_samples([x.clone(), y.clone()], change)?;
+        let codes = matches!(self.heights.samples(), Samples::U16(_));
+        if loose && !codes {
+            self.heights.search_range();
+        }
+        self.pyramid.update(&self.heights, [x, y]);
+        if loose && codes {
+            // Codes of `u16` heights are the heights.
+            let [low, high] = self.pyramid.code_range();
+            self.heights.set_range((f32::from(low), f32::from(high)));
+        }
+        self.distances.clear();
+        Ok(())
     }
 
     /// The height map.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::blocks::{Blocks, Sample};
 use super::code::Code;
 use super::layout::Layout;
-use super::level::{LANES, Level, LevelBounds, NodesMut, Wide};
+use super::level::{Level, LevelBounds, NodesMut, Wide};
 use crate::map::height::{HeightMap, Samples};
 
 /// All levels, finest first; parallel over rows of nodes, the same for any thread count.
@@ -67,25 +67,23 @@ fn ground_level_of<S: Sample>(
     level(nodes, layout, work, |work, y, max, min| work.fill(y, max, min))
 }
 
-/// The level above `fine`: the ranges of its nodes, sixteen a node.
+/// The level above `fine`.
 fn coarser_level(fine: &Level, layout: Layout) -> Level {
-    level(
-        fine.nodes.map(|n| n.div_ceil(4)),
-        layout,
-        || (),
-        |(), y, max, min| {
-            for (x, (max, min)) in (0..).zip(max.iter_mut().zip(min)) {
-                for lane in 0..LANES as u32 {
-                    let child = [4 * x + lane % 4, 4 * y + lane / 4];
-                    let [lo, hi] = if child[0] < fine.nodes[0] && child[1] < fine.nodes[1] {
-                        fine.bounds
-                            .range(child[1] as usize * fine.nodes[0] as usize + child[0] as usize)
-                    } else {
-                        [u16::MAX, 0]
-                    };
-                    (min[lane as usize], max[lane as usize]) = (lo, hi);
-                }
-            }
-        },
-    )
+    let nodes = fine.nodes.map(|n| n.div_ceil(4));
+    level(nodes, layout, || (), |(), y, max, min| fill_coarser(fine, [0, y], max, min))
+}
+
+/// Fills nodes above `fine`, from node (x, y) along its row: the ranges of sixteen nodes each.
+pub(super) fn fill_coarser(fine: &Level, [x, y]: [u32; 2], max: &mut [Wide], min: &mut [Wide]) {
+    let [across, up] = fine.nodes;
+    for (x, (max, min)) in (x..).zip(max.iter_mut().zip(min)) {
+        for (lane, (max, min)) in (0..).zip(max.iter_mut().zip(min)) {
+            let child = [4 * x + lane % 4, 4 * y + lane / 4];
+            [*min, *max] = if child[0] < across && child[1] < up {
+                fine.bounds.range(child[1] as usize * across as usize + child[0] as usize)
+            } else {
+                [u16::MAX, 0]
+            };
+        }
+    }
 }

@@ -12,6 +12,8 @@
 //! the middle between two whole numbers than `1 / (2 step) >= 1/514`; computed in `f32` from the
 //! rounded `1 / step` both are below 257 and off by less than `257 * 2^-23`. So the nearest is right.
 
+use std::ops::Range;
+
 use super::code::whole;
 use super::layout::Layout;
 
@@ -178,6 +180,22 @@ impl LevelBounds {
         match self {
             Self::Wide { max, min } => range(&max[index], &min[index]),
             Self::Tiny { range, .. } => range[index],
+        }
+    }
+}
+
+impl LevelBounds {
+    /// A run of nodes to write to.
+    pub(super) fn run_mut(&mut self, run: Range<usize>) -> NodesMut<'_> {
+        match self {
+            Self::Wide { max, min } => {
+                NodesMut::Wide { max: &mut max[run.clone()], min: &mut min[run] }
+            }
+            Self::Tiny { max, min, range } => NodesMut::Tiny {
+                max: &mut max[run.clone()],
+                min: &mut min[run.clone()],
+                range: &mut range[run],
+            },
         }
     }
 }
