@@ -64,7 +64,9 @@ impl Sampler {
         };
         let (nx, ny) = grid(count.max(1));
         let key = hash(hash(hash(self.key, kind), detail), count);
-        Strata { jitter: hash(key, 0), permutation: Permutation::new(nx * ny, key), nx, ny }
+        let permutation = Permutation::new(nx * ny, key);
+        let cell = DVec2::new(nx as f64, ny as f64).recip();
+        Strata { jitter: hash(key, 0), permutation, nx, ny, cell }
     }
 }
 
@@ -86,12 +88,14 @@ impl Strand {
 }
 
 /// The jittered points of one dimension of one pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strata {
     jitter: u64,
     permutation: Permutation,
     nx: u64,
     ny: u64,
+    /// Extent of a cell.
+    cell: DVec2,
 }
 
 impl Strata {
@@ -113,16 +117,26 @@ impl Strata {
     #[inline]
     fn point_in(&self, cell: u64) -> DVec2 {
         let jitter = hash(self.jitter, cell);
-        let x = (cell % self.nx) as f64 + unit(jitter >> 32);
-        let y = (cell / self.nx) as f64 + unit(jitter & 0xffff_ffff);
-        let p = DVec2::new(x / self.nx as f64, y / self.ny as f64);
+        // No division where a shift does.
+        let (column, row) = if self.nx.is_power_of_two() {
+            (cell & (self.nx - 1), cell >> self.nx.trailing_zeros())
+        } else {
+            (cell % self.nx, cell / self.nx)
+        };
+        // Below 2^63, and signed numbers convert in one instruction.
+        let x = column as i64 as f64 + unit((jitter >> 32) as u32);
+        let y = row as i64 as f64 + unit(jitter as u32);
+        let p = DVec2::new(x, y) * self.cell;
         p.min(DVec2::splat(1.0 - f64::EPSILON / 2.0))
     }
 }
 
+/// 2^-32.
+const INVERSE_2_32: f64 = 1.0 / 4_294_967_296.0;
+
 /// A 32-bit integer as a number in `[0, 1)`.
-fn unit(bits: u64) -> f64 {
-    bits as f64 * (0.5f64).powi(32)
+fn unit(bits: u32) -> f64 {
+    f64::from(bits) * INVERSE_2_32
 }
 
 /// Columns and rows of at least `count` cells: two near factors if there are such, else the
@@ -170,8 +184,8 @@ impl Permutation {
         Self { count, rounds: [1, 2, 3, 4, 5, 6, 7, 8].map(|round| hash(key, round)) }
     }
 
-    /// The images of `first` and the numbers after it, for counts up to 2^15; 0 where a number is no
-    /// longer below `count`. All arithmetic of [`Permutation::image`] is modulo a power of two no
+    /// The images of `first` and the numbers after it, for counts up to 2^15; anything below
+    /// `count` where a number is no longer below it. All arithmetic of [`Permutation::image`] is modulo a power of two no
     /// larger than 2^15, so 16 bits suffice.
     fn images(&self, first: u64) -> [u64; LANES] {
         let mask = (self.count.next_power_of_two() - 1) as u16;
@@ -186,12 +200,18 @@ impl Permutation {
                 *i = i.wrapping_add(offset) & mask;
             }
         }
-        std::array::from_fn(|k| match (u64::from(lanes[k]), first + k as u64) {
-            (_, i) if i >= self.count => 0,
-            (image, _) if image < self.count => image,
-            // Walk on.
-            (image, _) => self.image(image),
-        })
+        let mut images = lanes.map(u64::from);
+        if !self.count.is_power_of_two() {
+            for (k, image) in images.iter_mut().enumerate() {
+                if first + k as u64 >= self.count {
+                    *image = 0;
+                } else if *image >= self.count {
+                    // Walk on.
+                    *image = self.image(*image);
+                }
+            }
+        }
+        images
     }
 
     /// The image of `i`, which must be below the next power of two of `count`.

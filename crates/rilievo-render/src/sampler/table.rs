@@ -90,7 +90,7 @@ impl Slot {
             strata.extend(count, &mut self.points);
         }
         self.strata = Some((count, strata));
-        strata.point(index)
+        self.points.get(index as usize).copied().unwrap_or_else(|| strata.point(index))
     }
 }
 

@@ -1,6 +1,6 @@
 //! [`Aabb`]: a box, and the slab test that never misses one by rounding.
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 use super::GROWTH;
 use super::rounding::gamma;
@@ -86,6 +86,8 @@ pub struct SlabRay {
     /// Origin as the smaller and as the larger faces see it.
     origins: [DVec3; 2],
     inverse: DVec3,
+    /// Axes along which the larger face is met first.
+    backwards: BVec3,
 }
 
 /// \[Ize2013, robust slabs\].
@@ -95,7 +97,9 @@ impl SlabRay {
     /// Prepares `ray`.
     pub fn new(ray: &Ray) -> Self {
         let spread = GROWTH * ray.origin.abs().max_element();
-        Self { origins: [ray.origin + spread, ray.origin - spread], inverse: ray.direction.recip() }
+        let inverse = ray.direction.recip();
+        let backwards = BVec3::from_array(inverse.to_array().map(f64::is_sign_negative));
+        Self { origins: [ray.origin + spread, ray.origin - spread], inverse, backwards }
     }
 
     /// Where the ray enters `bounds`, at least 0 and a lower bound on every meeting inside, or
@@ -104,15 +108,14 @@ impl SlabRay {
     pub fn entry(&self, bounds: &Aabb, t_max: f64) -> Option<f64> {
         let low = (bounds.min - self.origins[0]) * self.inverse;
         let high = (bounds.max - self.origins[1]) * self.inverse;
-        let (mut near, mut far) = (0.0, t_max * FAR_FACTOR);
-        for axis in 0..3 {
-            let backwards = self.inverse[axis].is_sign_negative();
-            let (enter, leave) =
-                if backwards { (high[axis], low[axis]) } else { (low[axis], high[axis]) };
-            near = enter.max(near);
-            far = (leave * FAR_FACTOR).min(far);
-        }
-        (near <= far).then_some(near)
+        let enter = DVec3::select(self.backwards, high, low);
+        let leave = DVec3::select(self.backwards, low, high);
+        // Written so that NaN, which is only ever new, is passed over in one instruction.
+        let later = |a: f64, b: f64| if a > b { a } else { b };
+        let sooner = |a: f64, b: f64| if a < b { a } else { b };
+        let near = later(enter.x, later(enter.y, later(enter.z, 0.0)));
+        let far = sooner(leave.x, sooner(leave.y, sooner(leave.z, f64::INFINITY)));
+        (near <= sooner(far, t_max) * FAR_FACTOR).then_some(near)
     }
 }
 

@@ -1,6 +1,10 @@
 //! [`World`]: surfaces under one tree.
+//!
+//! One relief among a few flat neighbours is what most scenes are. Then the boxes do not pay: the
+//! relief clips a ray to a closer box of its own, and its neighbours have one of their own each. So
+//! such a world goes without the tree, relief first.
 
-use crate::accel::{Aabb, Bvh};
+use crate::accel::{Aabb, Bvh, GROWTH, SlabRay};
 use crate::hit::Hit;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
@@ -14,13 +18,35 @@ use super::meeting::Meeting;
 pub struct World {
     surfaces: Vec<Surface>,
     tree: Bvh,
+    /// The only relief of a world that has [`FEW`] surfaces at most.
+    sole: Option<u32>,
+    /// Index and box of the others beside it, by index.
+    beside: Vec<(u32, Aabb)>,
 }
+
+/// Surfaces of a world that goes without its tree.
+const FEW: usize = 4;
+
+/// Rays that a packet takes at once.
+const PACKET: usize = 16;
 
 impl World {
     /// Builds the tree over `surfaces`; hits name them by their place in the list.
     pub fn new(surfaces: Vec<Surface>) -> Self {
         let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
-        Self { tree: Bvh::build(&boxes, 1), surfaces }
+        let tree = Bvh::build(&boxes, 1);
+        let reliefs = (0u32..).zip(&surfaces).filter(|(_, s)| matches!(s, Surface::Face(_)));
+        let mut reliefs = reliefs.map(|(index, _)| index);
+        let sole = match (reliefs.next(), reliefs.next()) {
+            (Some(relief), None) if surfaces.len() <= FEW => Some(relief),
+            _ => None,
+        };
+        let grown = boxes.iter().map(|b| b.grown(GROWTH * b.largest_coordinate()));
+        let beside = match sole {
+            Some(relief) => (0u32..).zip(grown).filter(|&(index, _)| index != relief).collect(),
+            None => Vec::new(),
+        };
+        Self { tree, sole, beside, surfaces }
     }
 
     /// The surfaces, in order.
@@ -37,9 +63,7 @@ impl World {
     /// with the smallest index. `ray.from`, if any, names a surface of this world.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let (index, meeting) = self.first(ray, probe)?;
-        let mut hit = meeting.complete(ray);
-        hit.surface = index;
-        Some(hit)
+        Some(completed(index, &meeting, ray))
     }
 
     /// [`World::closest`] for rays that start close together and go about the same way; `hits` takes
@@ -49,24 +73,74 @@ impl World {
     /// If the slices differ in length.
     pub fn closest_packet<P: Probe>(&self, rays: &[Ray], hits: &mut [Option<Hit>], probe: &mut P) {
         assert_eq!(rays.len(), hits.len(), "one answer a ray");
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.closest(ray, probe);
+        let Some(sole) = self.sole else {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = self.closest(ray, probe);
+            }
+            return;
+        };
+        let relief = &self.surfaces[sole as usize];
+        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
+            let mut found = [None; PACKET];
+            for (ray, found) in rays.iter().zip(&mut found) {
+                let departure = self.departure(ray);
+                *found = relief.meet(&seen_by(sole, ray), departure.as_ref(), probe);
+            }
+            for ((ray, hit), found) in rays.iter().zip(hits).zip(found) {
+                let departure = self.departure(ray);
+                let first = self.beside_first((sole, found), ray, departure.as_ref(), probe);
+                *hit = first.map(|(index, meeting)| completed(index, &meeting, ray));
+            }
         }
+    }
+
+    /// The nearer of the relief's meeting and those of what is beside it.
+    #[inline]
+    fn beside_first<'a, P: Probe>(
+        &'a self,
+        (sole, found): (u32, Option<Meeting<'a>>),
+        ray: &Ray,
+        departure: Option<&Departure<'_>>,
+        probe: &mut P,
+    ) -> Option<(u32, Meeting<'a>)> {
+        let mut best = found.map(|meeting| (sole, meeting));
+        if self.beside.is_empty() {
+            return best;
+        }
+        let slab = SlabRay::new(ray);
+        let mut t_max = best.as_ref().map_or(ray.t_max, |(_, meeting)| meeting.t());
+        for (index, bounds) in &self.beside {
+            if slab.entry(bounds, t_max).is_none() {
+                continue;
+            }
+            let part = Ray { t_max, ..seen_by(*index, ray) };
+            let found = self.surfaces[*index as usize].meet(&part, departure, probe);
+            if let Some(found) = found
+                && nearer((*index, &found), best.as_ref())
+            {
+                t_max = found.t();
+                best = Some((*index, found));
+            }
+        }
+        best
     }
 
     /// Index and meeting of the nearest surface.
     #[inline]
     fn first<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<(u32, Meeting<'_>)> {
         let departure = self.departure(ray);
+        if let Some(sole) = self.sole {
+            let relief = &self.surfaces[sole as usize];
+            let found = relief.meet(&seen_by(sole, ray), departure.as_ref(), probe);
+            return self.beside_first((sole, found), ray, departure.as_ref(), probe);
+        }
         let mut best: Option<(u32, Meeting<'_>)> = None;
         self.tree.closest(ray, probe, |index, ray, probe| {
             let surface = &self.surfaces[index as usize];
             let found = surface.meet(&seen_by(index, ray), departure.as_ref(), probe);
             let Some(found) = found else { return };
-            let t = found.t();
-            let nearer = |(i, b): &(u32, Meeting<'_>)| t < b.t() || (t == b.t() && index < *i);
-            if best.as_ref().is_none_or(nearer) {
-                ray.t_max = t;
+            if nearer((index, &found), best.as_ref()) {
+                ray.t_max = found.t();
                 best = Some((index, found));
             }
         });
@@ -75,28 +149,54 @@ impl World {
 
     /// Whether anything is met within `0 <= t <= t_max`; rays as for [`World::closest`].
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        let departure = self.departure(ray);
-        self.tree.any(ray, probe, |index, ray, probe| {
-            let surface = &self.surfaces[index as usize];
-            surface.occludes_after(&seen_by(index, ray), departure.as_ref(), probe)
-        })
+        self.occluded_by_all_but(ray, None, probe)
     }
 
     /// [`World::occluded`] by any surface but `exempt`: the light at the ray's end, which it is known
     /// to meet only there.
     pub fn occluded_before<P: Probe>(&self, ray: &Ray, exempt: u32, probe: &mut P) -> bool {
+        self.occluded_by_all_but(ray, Some(exempt), probe)
+    }
+
+    #[inline]
+    fn occluded_by_all_but<P: Probe>(&self, ray: &Ray, exempt: Option<u32>, probe: &mut P) -> bool {
         let departure = self.departure(ray);
-        self.tree.any(ray, probe, |index, ray, probe| {
+        let occludes = |index: u32, ray: &Ray, probe: &mut P| {
             let surface = &self.surfaces[index as usize];
-            index != exempt
+            exempt != Some(index)
                 && surface.occludes_after(&seen_by(index, ray), departure.as_ref(), probe)
-        })
+        };
+        let Some(sole) = self.sole else { return self.tree.any(ray, probe, occludes) };
+        let mut others = self.beside.iter().filter(|(index, _)| exempt != Some(*index)).peekable();
+        if others.peek().is_some() {
+            let slab = SlabRay::new(ray);
+            for (index, bounds) in others {
+                if slab.entry(bounds, ray.t_max).is_some() && occludes(*index, ray, probe) {
+                    return true;
+                }
+            }
+        }
+        occludes(sole, ray, probe)
     }
 
     fn departure(&self, ray: &Ray) -> Option<Departure<'_>> {
         let from = ray.from?;
         self.surfaces.get(from.surface as usize)?.departure(from)
     }
+}
+
+/// Whether a meeting comes before the best so far: at the same `t` the smaller index does.
+#[inline]
+fn nearer((index, found): (u32, &Meeting<'_>), best: Option<&(u32, Meeting<'_>)>) -> bool {
+    best.is_none_or(|(i, b)| found.t() < b.t() || (found.t() == b.t() && index < *i))
+}
+
+/// The hit of a meeting with surface `index`.
+#[inline]
+fn completed(index: u32, meeting: &Meeting<'_>, ray: &Ray) -> Hit {
+    let mut hit = meeting.complete(ray);
+    hit.surface = index;
+    hit
 }
 
 /// The ray as surface `index` sees it: with its origin only if that is on this surface.
@@ -313,6 +413,48 @@ mod tests {
                 if hit.surface == 5 && inwards {
                     assert!(closed.occluded(&shadow, &mut ()), "leak: {shadow:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_relief_among_few_surfaces_is_as_among_many() {
+        let mut random = Random(109);
+        for (center, size, world) in boxes() {
+            let all = with_relief(&world, center, size);
+            for index in [5, 4, 2] {
+                // The last surfaces, the relief at their end; then as many again, far away, so that
+                // the world has a tree.
+                let few = all.surfaces()[index..].to_vec();
+                let distant = DVec3::splat(1e9);
+                let away = (0..4).map(|k| {
+                    let [u, v] = [DVec3::X, DVec3::Y].map(|axis| size * axis);
+                    let c = center + distant * f64::from(k + 1);
+                    quad([c, c + u, c + u + v, c + v])
+                });
+                let many = World::new(few.iter().cloned().chain(away).collect());
+                let few = World::new(few);
+                let mut rays = Vec::new();
+                for case in 0..3000 {
+                    let origin = center + 0.9 * size * random.cube();
+                    let mut ray = Ray::new(origin, target(&world, &mut random) - origin);
+                    ray.t_max = if case % 3 == 0 { 0.9 + 0.2 * random.unit() } else { 9.0 };
+                    if let (1, Some(hit)) = (case % 2, few.closest(&ray, &mut ())) {
+                        ray = Ray { t_max: 9.0, ..hit.spawn(size * random.direction()) };
+                    }
+                    let hit = few.closest(&ray, &mut ());
+                    assert_eq!(hit, many.closest(&ray, &mut ()));
+                    assert_eq!(few.occluded(&ray, &mut ()), hit.is_some());
+                    for exempt in 0..few.surfaces().len() as u32 {
+                        let some = many.occluded_before(&ray, exempt, &mut ());
+                        assert_eq!(few.occluded_before(&ray, exempt, &mut ()), some);
+                    }
+                    rays.push(ray);
+                }
+                let mut hits = vec![None; rays.len()];
+                few.closest_packet(&rays, &mut hits, &mut ());
+                let single: Vec<_> = rays.iter().map(|ray| few.closest(ray, &mut ())).collect();
+                assert_eq!(hits, single);
             }
         }
     }

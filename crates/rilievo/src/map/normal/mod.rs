@@ -65,7 +65,10 @@ impl NormalKind {
         let steepness = [metric.z / metric.x, metric.z / metric.y];
         match self {
             Self::Exact => {
-                let h = heights.unfolded_corners(cell[0], cell[1]).map(f64::from);
+                let h = match surroundings(heights, cell) {
+                    Some([_, low, high, _]) => [low[1], low[2], high[1], high[2]],
+                    None => heights.unfolded_corners(cell[0], cell[1]).map(f64::from),
+                };
                 let [fx, fy] = local;
                 let along_x = (h[1] - h[0]) * (1.0 - fy) + (h[3] - h[2]) * fy;
                 let along_y = (h[2] - h[0]) * (1.0 - fx) + (h[3] - h[1]) * fx;
