@@ -14,8 +14,8 @@ use crate::sampler::warp::square_to_quad;
 
 /// Up to this ratio between the squared distances of its farthest and its nearest point a rectangle
 /// is sampled by area: weights, which go as the distance to the power -3, then spread over less
-/// than a factor of 1.4.
-const FAR: f64 = 1.25;
+/// than a factor of 2.9, smoothly, and strata take most of that out.
+const FAR: f64 = 2.0;
 
 /// Below this solid angle, steradian, rectangles are sampled by area.
 const SMALL: f64 = 1e-4;

@@ -3,10 +3,16 @@
 //!
 //! By area, the weight of a sample grows as 1 / r^2 towards the point and its variance has no
 //! bound where a light meets a wall; by solid angle every sample weighs the same.
+//!
+//! What we changed: the paper adds four inner angles, each an arc cosine. Their sines and cosines
+//! follow from the rectangle without it, angles add as complex numbers of length 1 multiply, and only
+//! the sum, the solid angle, is wanted as a number: one arc tangent.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_4, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
+
+use crate::sampler::warp::sin_cos_eighth;
 
 /// A rectangle seen from a point beside its plane, in the frame of that point: x and y along the
 /// edges, z away from the rectangle.
@@ -18,8 +24,8 @@ pub(super) struct SphericalRectangle {
     z: f64,
     /// z of the normals of the planes through the edges y = y0 and y = y1.
     b: [f64; 2],
-    /// 2 pi less two of the inner angles.
-    k: f64,
+    /// Cosine and sine of 2 pi less two of the inner angles.
+    k: DVec2,
     solid_angle: f64,
 }
 
@@ -27,12 +33,23 @@ impl SphericalRectangle {
     /// The rectangle that spans `x` and `y` at a distance from the point.
     pub(super) fn new(x: [f64; 2], y: [f64; 2], distance: f64) -> Self {
         let z = -distance;
-        let corner = |i: usize, j: usize| DVec3::new(x[i], y[j], z);
-        let corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-        let n = [0, 1, 2, 3].map(|i| corners[i].cross(corners[(i + 1) % 4]).normalize_or_zero());
-        let g = [0, 1, 2, 3].map(|i| (-n[i].dot(n[(i + 1) % 4])).clamp(-1.0, 1.0).acos());
-        let k = 2.0 * PI - g[2] - g[3];
-        Self { x, y, z, b: [n[0].z, n[2].z], k, solid_angle: g[0] + g[1] - k }
+        // The unit normals of the planes through the point and an edge, around the rectangle, are
+        // (0, z, -y0), (-z, 0, x1), (0, -z, y1) and (z, 0, -x0), each over its length. Neighbours
+        // share z alone, and that is what their angle needs.
+        let n = [-y[0], x[1], y[1], -x[0]];
+        let squared = n.map(|n| (n * n + z * z).max(f64::MIN_POSITIVE));
+        let b = [0, 1, 2, 3].map(|i| n[i] / squared[i].sqrt());
+        let rest = squared.map(|squared| z * z / squared);
+        let inner = |i: usize, j: usize| {
+            // 1 - (b b)^2, without its cancellation.
+            let sine = (rest[i] + b[i] * b[i] * rest[j]).sqrt();
+            DVec2::new(-b[i] * b[j], sine)
+        };
+        let (low, high) = (inner(0, 1).rotate(inner(1, 2)), inner(2, 3).rotate(inner(3, 0)));
+        let sum = low.rotate(high);
+        let angle = sum.y.atan2(sum.x);
+        let solid_angle = if angle < 0.0 { angle + TAU } else { angle };
+        Self { x, y, z, b: [b[0], b[2]], k: DVec2::new(high.x, -high.y), solid_angle }
     }
 
     /// Solid angle, steradian. Its rounding error is about 1e-15, whatever its size.
@@ -44,7 +61,12 @@ impl SphericalRectangle {
     /// direction is uniform for `u` uniform in `[0, 1)^2`.
     pub(super) fn sample(&self, u: DVec2) -> DVec2 {
         let ([x0, x1], [y0, y1], [b0, b1]) = (self.x, self.y, self.b);
-        let (sin, cos) = (u.x * self.solid_angle + self.k).sin_cos();
+        let part = u.x * self.solid_angle;
+        let (sin, cos) = match part <= FRAC_PI_4 {
+            true => sin_cos_eighth(part / FRAC_PI_4),
+            false => part.sin_cos(),
+        };
+        let DVec2 { x: cos, y: sin } = DVec2::new(cos, sin).rotate(self.k);
         let f = (cos * b0 - b1) / sin;
         let c = (f.signum() / (f * f + b0 * b0).sqrt()).clamp(-1.0, 1.0);
         let x = (-c * self.z / (1.0 - c * c).max(f64::MIN_POSITIVE).sqrt()).clamp(x0, x1);
@@ -58,6 +80,8 @@ impl SphericalRectangle {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::sampler::chi_square::{chi_square_z, independent_points};
 

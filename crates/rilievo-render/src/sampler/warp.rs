@@ -32,10 +32,10 @@ pub fn square_to_disk(u: DVec2) -> DVec2 {
 /// that are below 1e-16 of the sum. A third of the cost of the library's, which must reduce any
 /// angle.
 #[inline]
-fn sin_cos_eighth(x: f64) -> (f64, f64) {
+pub(crate) fn sin_cos_eighth(x: f64) -> (f64, f64) {
     let a = FRAC_PI_4 * x;
     let q = a * a;
-    let series = |terms: [f64; 7]| terms.into_iter().rev().fold(0.0, |sum, c| sum * q + c);
+    let series = |terms: [f64; 8]| terms.into_iter().rev().fold(0.0, |sum, c| sum * q + c);
     let sin = series([
         1.0,
         -1.0 / 6.0,
@@ -44,6 +44,7 @@ fn sin_cos_eighth(x: f64) -> (f64, f64) {
         1.0 / 362_880.0,
         -1.0 / 39_916_800.0,
         1.0 / 6_227_020_800.0,
+        -1.0 / 1_307_674_368_000.0,
     ]);
     let cos = series([
         -0.5,
@@ -53,6 +54,7 @@ fn sin_cos_eighth(x: f64) -> (f64, f64) {
         -1.0 / 3_628_800.0,
         1.0 / 479_001_600.0,
         -1.0 / 87_178_291_200.0,
+        1.0 / 20_922_789_888_000.0,
     ]);
     (a * sin, 1.0 + q * cos)
 }

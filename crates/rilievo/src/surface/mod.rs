@@ -7,6 +7,7 @@
 //! sign of `t` alone: a ray that leaves another surface exactly where it touches one of them, to
 //! rounding, may be stopped by it or pass it.
 
+mod lone;
 mod meeting;
 mod quad;
 mod sphere;

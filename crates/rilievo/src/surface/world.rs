@@ -1,16 +1,13 @@
 //! [`World`]: surfaces under one tree.
-//!
-//! One relief among a few flat neighbours is what most scenes are. Then the boxes do not pay: the
-//! relief clips a ray to a closer box of its own, and its neighbours have one of their own each. So
-//! such a world goes without the tree, relief first.
 
-use crate::accel::{Aabb, Bvh, GROWTH, SlabRay};
+use crate::accel::{Aabb, Bvh};
 use crate::hit::Hit;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
 use crate::ray::Ray;
 
 use super::Surface;
+use super::lone::Lone;
 use super::meeting::Meeting;
 
 /// Surfaces by index, ready to trace.
@@ -18,35 +15,15 @@ use super::meeting::Meeting;
 pub struct World {
     surfaces: Vec<Surface>,
     tree: Bvh,
-    /// The only relief of a world that has [`FEW`] surfaces at most.
-    sole: Option<u32>,
-    /// Index and box of the others beside it, by index.
-    beside: Vec<(u32, Aabb)>,
+    /// Where one relief stands among few: traced without the tree.
+    lone: Option<Lone>,
 }
-
-/// Surfaces of a world that goes without its tree.
-const FEW: usize = 4;
-
-/// Rays that a packet takes at once.
-const PACKET: usize = 16;
 
 impl World {
     /// Builds the tree over `surfaces`; hits name them by their place in the list.
     pub fn new(surfaces: Vec<Surface>) -> Self {
         let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
-        let tree = Bvh::build(&boxes, 1);
-        let reliefs = (0u32..).zip(&surfaces).filter(|(_, s)| matches!(s, Surface::Face(_)));
-        let mut reliefs = reliefs.map(|(index, _)| index);
-        let sole = match (reliefs.next(), reliefs.next()) {
-            (Some(relief), None) if surfaces.len() <= FEW => Some(relief),
-            _ => None,
-        };
-        let grown = boxes.iter().map(|b| b.grown(GROWTH * b.largest_coordinate()));
-        let beside = match sole {
-            Some(relief) => (0u32..).zip(grown).filter(|&(index, _)| index != relief).collect(),
-            None => Vec::new(),
-        };
-        Self { tree, sole, beside, surfaces }
+        Self { tree: Bvh::build(&boxes, 1), lone: Lone::of(&surfaces), surfaces }
     }
 
     /// The surfaces, in order.
@@ -62,8 +39,23 @@ impl World {
     /// The nearest hit within `0 <= t <= t_max`; of several at the same `t`, that of the surface
     /// with the smallest index. `ray.from`, if any, names a surface of this world.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let (index, meeting) = self.first(ray, probe)?;
-        Some(completed(index, &meeting, ray))
+        if let Some(lone) = &self.lone {
+            return lone.closest(&self.surfaces, ray, probe);
+        }
+        let left = departure(&self.surfaces, ray);
+        let mut best: Option<(u32, Meeting<'_>)> = None;
+        self.tree.closest(ray, probe, |index, ray, probe| {
+            let surface = &self.surfaces[index as usize];
+            let found = surface.meet(seen_by(index, ray, &mut None), left.as_ref(), probe);
+            let Some(found) = found else { return };
+            let t = found.t();
+            if best.as_ref().is_none_or(|(i, b)| t < b.t() || (t == b.t() && index < *i)) {
+                ray.t_max = t;
+                best = Some((index, found));
+            }
+        });
+        let (index, meeting) = best?;
+        Some(Hit { surface: index, ..meeting.complete(ray) })
     }
 
     /// [`World::closest`] for rays that start close together and go about the same way; `hits` takes
@@ -73,78 +65,12 @@ impl World {
     /// If the slices differ in length.
     pub fn closest_packet<P: Probe>(&self, rays: &[Ray], hits: &mut [Option<Hit>], probe: &mut P) {
         assert_eq!(rays.len(), hits.len(), "one answer a ray");
-        let Some(sole) = self.sole else {
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.closest(ray, probe);
-            }
-            return;
-        };
-        let relief = &self.surfaces[sole as usize];
-        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let mut found = [None; PACKET];
-            for (ray, found) in rays.iter().zip(&mut found) {
-                let departure = self.departure(ray);
-                *found = relief.meet(&seen_by(sole, ray), departure.as_ref(), probe);
-            }
-            for ((ray, hit), found) in rays.iter().zip(hits).zip(found) {
-                let departure = self.departure(ray);
-                let first = self.beside_first((sole, found), ray, departure.as_ref(), probe);
-                *hit = first.map(|(index, meeting)| completed(index, &meeting, ray));
-            }
+        if let Some(lone) = &self.lone {
+            return lone.closest_packet(&self.surfaces, rays, hits, probe);
         }
-    }
-
-    /// The nearer of the relief's meeting and those of what is beside it.
-    #[inline]
-    fn beside_first<'a, P: Probe>(
-        &'a self,
-        (sole, found): (u32, Option<Meeting<'a>>),
-        ray: &Ray,
-        departure: Option<&Departure<'_>>,
-        probe: &mut P,
-    ) -> Option<(u32, Meeting<'a>)> {
-        let mut best = found.map(|meeting| (sole, meeting));
-        if self.beside.is_empty() {
-            return best;
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest(ray, probe);
         }
-        let slab = SlabRay::new(ray);
-        let mut t_max = best.as_ref().map_or(ray.t_max, |(_, meeting)| meeting.t());
-        for (index, bounds) in &self.beside {
-            if slab.entry(bounds, t_max).is_none() {
-                continue;
-            }
-            let part = Ray { t_max, ..seen_by(*index, ray) };
-            let found = self.surfaces[*index as usize].meet(&part, departure, probe);
-            if let Some(found) = found
-                && nearer((*index, &found), best.as_ref())
-            {
-                t_max = found.t();
-                best = Some((*index, found));
-            }
-        }
-        best
-    }
-
-    /// Index and meeting of the nearest surface.
-    #[inline]
-    fn first<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<(u32, Meeting<'_>)> {
-        let departure = self.departure(ray);
-        if let Some(sole) = self.sole {
-            let relief = &self.surfaces[sole as usize];
-            let found = relief.meet(&seen_by(sole, ray), departure.as_ref(), probe);
-            return self.beside_first((sole, found), ray, departure.as_ref(), probe);
-        }
-        let mut best: Option<(u32, Meeting<'_>)> = None;
-        self.tree.closest(ray, probe, |index, ray, probe| {
-            let surface = &self.surfaces[index as usize];
-            let found = surface.meet(&seen_by(index, ray), departure.as_ref(), probe);
-            let Some(found) = found else { return };
-            if nearer((index, &found), best.as_ref()) {
-                ray.t_max = found.t();
-                best = Some((index, found));
-            }
-        });
-        best
     }
 
     /// Whether anything is met within `0 <= t <= t_max`; rays as for [`World::closest`].
@@ -160,48 +86,33 @@ impl World {
 
     #[inline]
     fn occluded_by_all_but<P: Probe>(&self, ray: &Ray, exempt: Option<u32>, probe: &mut P) -> bool {
-        let departure = self.departure(ray);
-        let occludes = |index: u32, ray: &Ray, probe: &mut P| {
-            let surface = &self.surfaces[index as usize];
-            exempt != Some(index)
-                && surface.occludes_after(&seen_by(index, ray), departure.as_ref(), probe)
-        };
-        let Some(sole) = self.sole else { return self.tree.any(ray, probe, occludes) };
-        let mut others = self.beside.iter().filter(|(index, _)| exempt != Some(*index)).peekable();
-        if others.peek().is_some() {
-            let slab = SlabRay::new(ray);
-            for (index, bounds) in others {
-                if slab.entry(bounds, ray.t_max).is_some() && occludes(*index, ray, probe) {
-                    return true;
-                }
-            }
+        if let Some(lone) = &self.lone {
+            return lone.occluded(&self.surfaces, ray, exempt, probe);
         }
-        occludes(sole, ray, probe)
+        let left = departure(&self.surfaces, ray);
+        self.tree.any(ray, probe, |index, ray, probe| {
+            let surface = &self.surfaces[index as usize];
+            let mut room = None;
+            let ray = seen_by(index, ray, &mut room);
+            exempt != Some(index) && surface.occludes_after(ray, left.as_ref(), probe)
+        })
     }
+}
 
-    fn departure(&self, ray: &Ray) -> Option<Departure<'_>> {
-        let from = ray.from?;
-        self.surfaces.get(from.surface as usize)?.departure(from)
+/// What a ray leaves, as the others should know.
+pub(super) fn departure<'a>(surfaces: &'a [Surface], ray: &Ray) -> Option<Departure<'a>> {
+    let from = ray.from?;
+    surfaces.get(from.surface as usize)?.departure(from)
+}
+
+/// The ray as surface `index` sees it: with its origin only if that is on this surface. `room` is for
+/// a copy where one is needed.
+#[inline]
+pub(super) fn seen_by<'a>(index: u32, ray: &'a Ray, room: &'a mut Option<Ray>) -> &'a Ray {
+    match ray.from {
+        Some(from) if from.surface != index => room.insert(Ray { from: None, ..*ray }),
+        _ => ray,
     }
-}
-
-/// Whether a meeting comes before the best so far: at the same `t` the smaller index does.
-#[inline]
-fn nearer((index, found): (u32, &Meeting<'_>), best: Option<&(u32, Meeting<'_>)>) -> bool {
-    best.is_none_or(|(i, b)| found.t() < b.t() || (found.t() == b.t() && index < *i))
-}
-
-/// The hit of a meeting with surface `index`.
-#[inline]
-fn completed(index: u32, meeting: &Meeting<'_>, ray: &Ray) -> Hit {
-    let mut hit = meeting.complete(ray);
-    hit.surface = index;
-    hit
-}
-
-/// The ray as surface `index` sees it: with its origin only if that is on this surface.
-fn seen_by(index: u32, ray: &Ray) -> Ray {
-    Ray { from: ray.from.filter(|from| from.surface == index), ..*ray }
 }
 
 #[cfg(test)]

@@ -65,8 +65,8 @@ impl NormalKind {
         let steepness = [metric.z / metric.x, metric.z / metric.y];
         match self {
             Self::Exact => {
-                let h = match surroundings(heights, cell) {
-                    Some([_, low, high, _]) => [low[1], low[2], high[1], high[2]],
+                let h = match block(heights, cell) {
+                    Some([low, high]) => [low[0], low[1], high[0], high[1]],
                     None => heights.unfolded_corners(cell[0], cell[1]).map(f64::from),
                 };
                 let [fx, fy] = local;
@@ -75,7 +75,8 @@ impl NormalKind {
                 DVec3::new(-along_x * steepness[0], -along_y * steepness[1], 1.0)
             }
             Self::Smooth | Self::Published => {
-                let slopes = match (self, surroundings(heights, cell)) {
+                let first = cell.map(|i| i.saturating_sub(1));
+                let slopes = match (self, block(heights, first)) {
                     (Self::Smooth, Some(rows)) => smooth_slopes(&rows),
                     _ => self.slopes_at_corners(heights, cell),
                 };
@@ -100,22 +101,22 @@ impl NormalKind {
     }
 }
 
-/// The 4 x 4 samples around an unfolded cell, row by row, if the map holds them all side by side:
-/// next to no cell of a large map lies elsewhere.
+/// `N` rows of `N` samples, the first of them the near corner of unfolded cell `first`, if the map
+/// holds them side by side: next to no cell of a large map has neighbours elsewhere.
 #[inline]
-fn surroundings(heights: &HeightMap, cell: [i32; 2]) -> Option<[[f64; 4]; 4]> {
-    let first = |axis: &Axis, i: i32| {
-        let inside = i >= 1 && i.saturating_add(2) < axis.samples() as i32;
-        inside.then(|| i as usize - 1)
+fn block<const N: usize>(heights: &HeightMap, first: [i32; 2]) -> Option<[[f64; N]; N]> {
+    let start = |axis: &Axis, i: i32| {
+        let start = usize::try_from(i).ok()?;
+        (start.checked_add(N)? <= axis.samples() as usize).then_some(start)
     };
-    let (i, j) = (first(heights.x(), cell[0])?, first(heights.y(), cell[1])?);
+    let (i, j) = (start(heights.x(), first[0])?, start(heights.y(), first[1])?);
     let width = heights.width() as usize;
-    let mut rows = [[0.0; 4]; 4];
+    let mut rows = [[0.0; N]; N];
     for (k, row) in rows.iter_mut().enumerate() {
         let at = (j + k) * width + i;
         *row = match heights.samples() {
-            Samples::U16(codes) => codes.get(at..)?.first_chunk::<4>()?.map(f64::from),
-            Samples::F32(values) => values.get(at..)?.first_chunk::<4>()?.map(f64::from),
+            Samples::U16(codes) => codes.get(at..)?.first_chunk::<N>()?.map(f64::from),
+            Samples::F32(values) => values.get(at..)?.first_chunk::<N>()?.map(f64::from),
         };
     }
     Some(rows)
@@ -258,15 +259,20 @@ mod tests {
                 let shape = Procedural::Fbm { octaves: 3, seed: 5 };
                 let codes = shape.height_map([9, 7], lattice, wrap).unwrap();
                 for map in [floats, codes] {
-                    let mut inside = 0;
+                    let (mut cells, mut inside) = (0, 0);
                     for (i, j) in (-12..24).flat_map(|i| (-12..24).map(move |j| (i, j))) {
-                        if let Some(rows) = surroundings(&map, [i, j]) {
+                        if let Some([low, high]) = block(&map, [i, j]) {
+                            let slow = map.unfolded_corners(i, j).map(f64::from);
+                            assert_eq!([low[0], low[1], high[0], high[1]], slow);
+                            cells += 1;
+                        }
+                        if let Some(rows) = block(&map, [i - 1, j - 1]) {
                             let slow = NormalKind::Smooth.slopes_at_corners(&map, [i, j]);
                             assert_eq!(smooth_slopes(&rows), slow);
                             inside += 1;
                         }
                     }
-                    assert_eq!(inside, 6 * 4);
+                    assert_eq!((cells, inside), (8 * 6, 6 * 4));
                 }
             }
         }
