@@ -1,10 +1,15 @@
 //! What was typed: commands, flags, their help and the checks that need nothing but the flag.
 
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use rilievo::map::DistanceKind;
 
 use crate::contender::Contender;
 use crate::map::MapName;
 use crate::rays::Family;
+use crate::transforms::{Grid, name};
 
 /// Measures rilievo beside its peers, on equal rays and grids.
 #[derive(Debug, Parser)]
@@ -18,6 +23,8 @@ pub struct Arguments {
 pub enum Command {
     /// Rays a second of one thread, memory and build time, beside Embree.
     Kernels(KernelArgs),
+    /// Nanoseconds a voxel of distance maps.
+    Transforms(TransformArgs),
 }
 
 #[derive(Debug, Args)]
@@ -56,6 +63,35 @@ pub struct KernelArgs {
     pub output: Output,
 }
 
+#[derive(Debug, Args)]
+pub struct TransformArgs {
+    /// Maps, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',',
+          default_values_t = [MapName::Fbm, MapName::Studded])]
+    pub maps: Vec<MapName>,
+    /// Grids as SIDExDEPTH in voxels, parted by commas; the map has one cell a column.
+    #[arg(
+        long,
+        value_name = "NxD,...",
+        value_delimiter = ',',
+        default_value = "128x128,256x64,512x64,1024x32"
+    )]
+    pub grids: Vec<Grid>,
+    /// Kinds of distance map, parted by commas; published takes minutes on all but small grids.
+    #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = kind(),
+          default_value = "boxes,corrected")]
+    pub kinds: Vec<DistanceKind>,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 3,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
+    /// Also write each grid to MAP-NxD.npy in this folder, for peers: 0 where the surface is, else 1.
+    #[arg(long, value_name = "FOLDER")]
+    pub dump_grid: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
+}
+
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Output {
     /// One JSON object a line on standard output, in place of tables.
@@ -66,6 +102,13 @@ pub struct Output {
 /// Samples a side: room for a few cells, and at most what a GRID holds.
 fn size() -> clap::builder::RangedI64ValueParser<u32> {
     clap::value_parser!(u32).range(16..=32767)
+}
+
+fn kind() -> impl TypedValueParser<Value = DistanceKind> {
+    let kinds = [DistanceKind::Boxes, DistanceKind::Corrected, DistanceKind::Published];
+    let find = move |text: String| kinds.into_iter().find(|&kind| name(kind) == text);
+    PossibleValuesParser::new(kinds.map(name))
+        .try_map(move |text| find(text).ok_or("no kind of distance map"))
 }
 
 fn depth(text: &str) -> Result<f64, String> {
@@ -96,6 +139,7 @@ mod tests {
         let words = ["rilievo-bench", "kernels"].iter().chain(words);
         Arguments::try_parse_from(words).map(|arguments| match arguments.command {
             Command::Kernels(args) => args,
+            other => panic!("{other:?}"),
         })
     }
 

@@ -14,6 +14,7 @@ mod random;
 mod rays;
 mod report;
 mod tally;
+mod transforms;
 
 use std::process::ExitCode;
 
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
     };
     let result = match &arguments.command {
         Command::Kernels(args) => kernels::run(args),
+        Command::Transforms(args) => transforms::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
