@@ -25,6 +25,14 @@ pub enum Command {
     Kernels(KernelArgs),
     /// Nanoseconds a voxel of distance maps.
     Transforms(TransformArgs),
+    /// Nanoseconds a sample of building pyramids.
+    Build(BuildArgs),
+    /// Say what machine this is, as the machine.json of a recorded run.
+    Machine,
+    /// Print the tables of a recorded run, in Markdown.
+    Summary(RunArgs),
+    /// Draw the plots of a recorded run, as SVG.
+    Plots(PlotArgs),
 }
 
 #[derive(Debug, Args)]
@@ -90,6 +98,38 @@ pub struct TransformArgs {
     pub dump_grid: Option<PathBuf>,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct BuildArgs {
+    /// Maps, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [MapName::Gaussian])]
+    pub maps: Vec<MapName>,
+    /// Samples a side, parted by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = size(),
+          default_values_t = [1024, 2048, 4096, 8192, 16384])]
+    pub sizes: Vec<u32>,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Folder of a recorded run, as bench/runs/2026-11-22-epyc.
+    pub run: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Folder of a recorded run.
+    pub run: PathBuf,
+    /// Folder for the plots [default: the run's].
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, Args)]

@@ -3,6 +3,7 @@
 //! `bench/README.md` says how to run it and what makes the comparison fair.
 
 mod args;
+mod builds;
 mod clock;
 mod contender;
 #[cfg(feature = "embree")]
@@ -10,9 +11,11 @@ mod embree;
 mod kernels;
 mod map;
 mod measure;
+mod plots;
 mod random;
 mod rays;
 mod report;
+mod runs;
 mod tally;
 mod transforms;
 
@@ -34,6 +37,12 @@ fn main() -> ExitCode {
     let result = match &arguments.command {
         Command::Kernels(args) => kernels::run(args),
         Command::Transforms(args) => transforms::run(args),
+        Command::Build(args) => builds::run(args),
+        Command::Machine => runs::machine(),
+        Command::Summary(args) => runs::summary(&args.run),
+        Command::Plots(args) => {
+            plots::plots(&args.run, args.output.as_deref().unwrap_or(&args.run))
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,6 +13,8 @@ use crate::rays::{Row, Scene};
 use crate::report::{object, say};
 
 pub use record::Record;
+#[cfg(test)]
+pub use record::tests::example;
 
 /// Pixels a side of the images that make the rays.
 const SIDE: u32 = 1024;

@@ -42,12 +42,26 @@ pub struct Record {
     pub against: BTreeMap<String, String>,
 }
 
+impl Record {
+    /// Whether `other` measures the same work: the map, the rays, their packets.
+    pub fn is_same_work(&self, other: &Self) -> bool {
+        let key = |r: &Self| (r.size, r.family, r.packet, r.rays, r.depth.to_bits());
+        self.map == other.map && key(self) == key(other)
+    }
+
+    /// Whether `other` measures the same work of the same contender, called alike.
+    pub fn is_same_row(&self, other: &Self) -> bool {
+        let key = |r: &Self| (r.rays_a_call, r.against.get("simd").cloned());
+        self.is_same_work(other) && self.contender == other.contender && key(self) == key(other)
+    }
+}
+
 #[cfg(test)]
 pub mod tests {
     use super::*;
 
     /// A record with the given rate.
-    pub fn record(contender: &str, family: Family, packet: bool, rate: f64) -> Record {
+    pub fn example(contender: &str, family: Family, packet: bool, rate: f64) -> Record {
         Record {
             bench: "kernels".to_owned(),
             map: "fbm".to_owned(),
@@ -73,7 +87,7 @@ pub mod tests {
 
     #[test]
     fn a_line_has_the_fixed_keys_and_is_read_back() {
-        let record = record("embree-grid", Family::Primary16, true, 9.5);
+        let record = example("embree-grid", Family::Primary16, true, 9.5);
         let line = serde_json::to_string(&record).unwrap();
         assert!(!line.contains('\n'));
         let value: serde_json::Value = serde_json::from_str(&line).unwrap();

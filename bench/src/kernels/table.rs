@@ -44,10 +44,9 @@ fn text(records: &[Record]) -> Vec<String> {
     }
     let rows = records.chunk_by(|a, b| (a.family, a.packet) == (b.family, b.packet));
     for row in rows {
-        let family = format!("{:?}", row[0].family).to_lowercase();
-        let packets = if row[0].packet { " packets" } else { "" };
+        let family = row[0].family.row_name(row[0].packet);
         let hits = row[0].hits as f64 / row[0].rays as f64;
-        lines.push(format!("  {family}{packets}: {} rays, {:.1} % hit", row[0].rays, hits * 100.0));
+        lines.push(format!("  {family}: {} rays, {:.1} % hit", row[0].rays, hits * 100.0));
         for record in row {
             let name = column(record);
             let rate = record.mrays_per_s;
@@ -59,17 +58,17 @@ fn text(records: &[Record]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::tests::record;
+    use super::super::record::tests::example;
     use super::*;
     use crate::rays::Family;
 
     #[test]
     fn every_record_has_its_line() {
-        let mut packet = record("embree-grid", Family::Primary16, true, 9.5);
+        let mut packet = example("embree-grid", Family::Primary16, true, 9.5);
         packet.rays_a_call = 16;
         let records = [
-            record("rilievo-default", Family::Primary, false, 4.0),
-            record("embree-grid", Family::Primary, false, 3.0),
+            example("rilievo-default", Family::Primary, false, 4.0),
+            example("embree-grid", Family::Primary, false, 3.0),
             packet,
         ];
         let text = text(&records).join("\n");

@@ -39,6 +39,22 @@ pub enum Family {
 impl Family {
     pub const ALL: [Self; 5] =
         [Self::Primary, Self::Grazing, Self::Shadow, Self::Diffuse, Self::Primary16];
+
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Grazing => "grazing",
+            Self::Shadow => "shadow",
+            Self::Diffuse => "diffuse",
+            Self::Primary16 => "primary16",
+        }
+    }
+
+    /// The name of a row of tables: the family, and whether it comes in packets.
+    pub fn row_name(self, packet: bool) -> String {
+        format!("{}{}", self.name(), if packet { " packets" } else { "" })
+    }
 }
 
 /// A family as it is traced: one ray a call or in packets.
