@@ -85,9 +85,10 @@ pub struct TransformArgs {
         default_value = "128x128,256x64,512x64,1024x32"
     )]
     pub grids: Vec<Grid>,
-    /// Kinds of distance map, parted by commas; published takes minutes on all but small grids.
+    /// Kinds of distance map, parted by commas. corrected and published take minutes on all but
+    /// small grids.
     #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = kind(),
-          default_value = "boxes,corrected")]
+          default_value = "boxes")]
     pub kinds: Vec<DistanceKind>,
     /// Passes after the one that warms up; the median counts.
     #[arg(long, value_name = "N", default_value_t = 3,

@@ -138,12 +138,13 @@ fn memory(records: &[kernels::Record]) -> Vec<String> {
 fn builds(run: &Run) -> Vec<String> {
     let mut lines = vec![
         String::new(),
-        "| size | layout | build, CPU ns/texel | B/texel |".to_owned(),
-        "|---|---|---|---|".to_owned(),
+        "| size | layout | build, CPU ns/texel | B/texel | edit of 64 x 64, ms |".to_owned(),
+        "|---|---|---|---|---|".to_owned(),
     ];
     lines.extend(run.builds.iter().map(|record| {
-        let crate::builds::Record { size, layout, ns_per_texel, bytes_per_texel, .. } = record;
-        format!("| {size} | {layout} | {ns_per_texel:.3} | {bytes_per_texel:.3} |")
+        let crate::builds::Record { size, layout, ns_per_texel, bytes_per_texel, edit_ms, .. } =
+            record;
+        format!("| {size} | {layout} | {ns_per_texel:.3} | {bytes_per_texel:.3} | {edit_ms:.4} |")
     }));
     lines
 }
