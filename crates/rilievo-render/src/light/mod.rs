@@ -84,6 +84,7 @@ impl Light {
     }
 
     /// The light as seen from `point`; nothing where its front is not seen from there.
+    #[inline]
     pub fn view(&self, point: DVec3) -> Option<LightView<'_>> {
         let shape = match self {
             Self::Quad(quad) => Shape::Quad(quad, quad.view(point)?),
@@ -110,6 +111,7 @@ enum Shape<'a> {
 
 impl LightView<'_> {
     /// The point of the light for `u` in `[0, 1)^2`; nothing where rounding hides its front.
+    #[inline]
     pub fn sample(&self, u: DVec2) -> Option<LightSample> {
         match &self.shape {
             Shape::Quad(quad, view) => quad.sample(self.point, view, u),

@@ -71,6 +71,8 @@ pub struct ReliefFace {
     relief: Arc<Relief>,
     options: FaceOptions,
     axes: MapAxes,
+    /// Bound on the coordinates of the base, for rounding errors.
+    reach: f64,
     bounds: Aabb,
 }
 
@@ -143,7 +145,9 @@ impl ReliefFace {
         }
         let bounds = bounds(&placement, &relief, options.closed);
         let axes = MapAxes::new(&placement, relief.heights());
-        Ok(Self { placement, relief, options, axes, bounds })
+        let Placement { corner, edge_u, edge_v, .. } = &placement;
+        let reach = corner.abs().max_element() + edge_u.length() + edge_v.length();
+        Ok(Self { placement, relief, options, axes, reach, bounds })
     }
 
     /// The box that holds the displaced face and its walls, a rounding margin included.
@@ -190,7 +194,7 @@ impl ReliefFace {
 
     /// World-space account of a crossing that [`ReliefFace::first_crossing`] found along `ray`.
     pub(crate) fn complete(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        let Placement { corner, edge_u, edge_v, normal, .. } = self.placement;
+        let Placement { edge_u, edge_v, normal, .. } = self.placement;
         let heights = self.relief.heights();
         let [u, v] = self.placement.uv(heights, crossing.lattice);
         let offset = self.placement.offset(crossing.raw);
@@ -206,7 +210,7 @@ impl ReliefFace {
                 (Part::Wall(wall), normal, normal)
             }
         };
-        let size = corner.abs().max_element() + edge_u.length() + edge_v.length() + offset.abs();
+        let size = self.reach + offset.abs();
         let off_ray = (crossing.error / self.placement.raw_per_length).abs();
         Hit {
             t: crossing.t,

@@ -64,7 +64,9 @@ impl Lone {
     ) -> Option<Hit> {
         let face = self.face(surfaces)?;
         let crossing = face.first_crossing(seen_by(self.index, ray, &mut None), probe);
-        self.answer((surfaces, face), ray, crossing.as_ref(), probe)
+        let mut hit = None;
+        self.answer((surfaces, face), ray, crossing.as_ref(), (&mut hit, probe));
+        hit
     }
 
     /// [`super::World::closest_packet`].
@@ -82,30 +84,33 @@ impl Lone {
                 *crossing = face.first_crossing(seen_by(self.index, ray, &mut None), probe);
             }
             for ((ray, hit), crossing) in rays.iter().zip(hits).zip(&crossings) {
-                *hit = self.answer((surfaces, face), ray, crossing.as_ref(), probe);
+                self.answer((surfaces, face), ray, crossing.as_ref(), (hit, probe));
             }
         }
     }
 
-    /// The hit that comes first, where the ray crosses the relief at `crossing`.
+    /// Puts the hit that comes first into its place, where the ray crosses the relief at `crossing`.
     #[inline]
     fn answer<P: Probe>(
         &self,
         (surfaces, face): (&[Surface], &ReliefFace),
         ray: &Ray,
         crossing: Option<&Crossing>,
-        probe: &mut P,
-    ) -> Option<Hit> {
-        if let Some((index, meeting)) = self.before(surfaces, ray, crossing.map(|c| c.t), probe) {
-            return Some(Hit { surface: index, ..meeting.complete(ray) });
+        (hit, probe): (&mut Option<Hit>, &mut P),
+    ) {
+        *hit = None;
+        let ahead = self.beside.iter().any(|(_, bounds)| !bounds.is_behind(ray));
+        if ahead
+            && let Some((index, meeting)) = self.before(surfaces, ray, crossing.map(|c| c.t), probe)
+        {
+            hit.insert(meeting.complete(ray)).surface = index;
+        } else if let Some(crossing) = crossing {
+            hit.insert(face.complete(ray, crossing)).surface = self.index;
         }
-        let mut hit = face.complete(ray, crossing?);
-        hit.surface = self.index;
-        Some(hit)
     }
 
     /// What stands beside the relief and is met before `crossing`, the parameter at which that is.
-    #[inline]
+    #[inline(never)]
     fn before<'a, P: Probe>(
         &self,
         surfaces: &'a [Surface],
@@ -113,9 +118,6 @@ impl Lone {
         crossing: Option<f64>,
         probe: &mut P,
     ) -> Option<(u32, Meeting<'a>)> {
-        if self.beside.is_empty() {
-            return None;
-        }
         let slab = SlabRay::new(ray);
         let mut best: Option<(u32, Meeting<'a>)> = None;
         let mut t_max = crossing.unwrap_or(ray.t_max);
