@@ -1,8 +1,8 @@
 """The frame by Blender's Cycles through its Python module. Prints one line of JSON.
 
-Variant `adaptive` displaces a plane diced to one pixel at render time; `full` hands over a mesh with
-one quad a cell. Cycles dices and builds its hierarchy inside of the render call, so preparation
-counts what comes before it.
+Variant `adaptive` displaces a plane diced to one pixel at render time, `full` the same diced to one
+quad a cell; `mesh` hands over a mesh of one quad a cell made with NumPy. Cycles dices and builds its
+hierarchy inside of the render call, so preparation counts what comes before it.
 """
 
 import json
@@ -12,7 +12,7 @@ import environment
 import frame
 import measure
 
-VARIANTS = ["adaptive", "full"]
+VARIANTS = ["adaptive", "full", "mesh"]
 
 
 def job_done(job):
@@ -25,10 +25,17 @@ def job_done(job):
     settings(scene, job)
     image = bpy.data.images.load(job.map)
     image.colorspace_settings.name = "Non-Color"
-    if job.variant == "adaptive":
-        diced_plane(bpy, scene, image)
-    else:
+    if job.variant == "mesh":
         full_mesh(bpy, scene, image)
+    else:
+        modifier = diced_plane(bpy, scene, image)
+        if job.variant == "full":
+            modifier.adaptive_space = "OBJECT"
+            # Half a cell to spare, or rounding makes one segment too many.
+            modifier.adaptive_object_edge_length = 1.0 / (job.size - 1.5)
+        else:
+            modifier.adaptive_space = "PIXEL"
+            modifier.adaptive_pixel_size = 1.0
     lamp(bpy, scene)
     camera(bpy, scene)
     prepared = measure.own_cpu_seconds()
@@ -89,7 +96,7 @@ def grey(bpy):
 
 
 def diced_plane(bpy, scene, image):
-    """One quad with a displacement shader, subdivided to pixels by Cycles."""
+    """One quad with a displacement shader, to be subdivided by Cycles; gives the modifier."""
     mesh = bpy.data.meshes.new("relief")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
     # Blender's samples sit in the middle of texels: the map's outermost lie on the border.
@@ -116,8 +123,7 @@ def diced_plane(bpy, scene, image):
     modifier = relief.modifiers.new("dice", "SUBSURF")
     modifier.subdivision_type = "SIMPLE"
     modifier.use_adaptive_subdivision = True
-    modifier.adaptive_space = "PIXEL"
-    modifier.adaptive_pixel_size = 1.0
+    return modifier
 
 
 def full_mesh(bpy, scene, image):

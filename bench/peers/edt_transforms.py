@@ -5,7 +5,7 @@
 A grid is what `rilievo-bench transforms --dump-grid` writes: three axes, 0 where the relief is, else
 free; both programs give every free voxel its distance to the nearest 0. Without a grid, one of
 256 x 256 x 64 voxels is made from the fbm: 0 below the surface. One line of JSON for each grid and
-program; the median pass counts, after one that warms up.
+program, with the keys of `rilievo-bench transforms`; the median pass counts, after one that warms up.
 """
 
 import argparse
@@ -61,23 +61,29 @@ def measured(path, spacing, passes):
             work()
             times[name].append((time.process_time() - cpu, time.perf_counter() - wall))
     versions = {"scipy": scipy.__version__, "edt": version("edt")}
+    bits = {name: answer.dtype.name for name, answer in answers.items()}
     for name, pairs in times.items():
-        cpu = sorted(pair[0] for pair in pairs)[len(pairs) // 2]
-        wall = sorted(pair[1] for pair in pairs)[len(pairs) // 2]
+        cpu = sorted(pair[0] for pair in pairs)
+        median = cpu[len(cpu) // 2]
         print(json.dumps({
             "bench": "transforms",
-            "contender": name,
-            "version": versions[name],
+            "map": Path(path).stem.rsplit("-", 1)[0],
             "grid": Path(path).stem,
             "shape": list(grid.shape),
-            "spacing": spacing,
-            "free": round(float(grid.mean()), 4),
-            "cpu_seconds": round(cpu, 5),
-            "wall_seconds": round(wall, 5),
-            "ns_per_voxel": round(cpu * 1e9 / grid.size, 3),
+            "contender": name,
+            "cpu_seconds": round(median, 6),
+            "ns_per_voxel": round(median * 1e9 / grid.size, 3),
+            "spread": round((cpu[-1] - cpu[0]) / median, 4),
             "passes": passes,
             "threads": 1,
-            "largest_difference": difference,
+            "bytes": answers[name].nbytes,
+            "wall_seconds": round(sorted(pair[1] for pair in pairs)[len(pairs) // 2], 6),
+            "against": {
+                "computes": f"centre of a free voxel to the nearest centre of the surface's, {bits[name]}",
+                "version": versions[name],
+                "spacing": ",".join(map(str, spacing)),
+                "largest_difference": f"{difference:.3g}",
+            },
         }))
 
 
@@ -99,7 +105,7 @@ def main():
     cache = options.cache.resolve()
     grids = [grid.resolve() for grid in options.grids]
     if not grids:
-        grids = [cache / "maps" / "fbm-grid-256x256x64.npy"]
+        grids = [cache / "maps" / "fbm-256x64.npy"]
         if not grids[0].exists():
             python = environment.python_of("pictures", cache)
             subprocess.run([python, __file__, "--job", "grid", grids[0]], check=True)

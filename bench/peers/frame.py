@@ -73,7 +73,7 @@ def job_of(options, peer, extension):
         path = cache / "maps" / f"fbm-{size}.png"
         if not path.exists():
             environment.call("pictures", cache, "height_map.py", size, path)
-    name = f"{peer}-{options.variant}-{path.stem}-{options.bounces}.{extension}"
+    name = f"{peer}-{options.variant}-{path.stem}-{options.resolution}-{options.bounces}.{extension}"
     picture = options.picture.resolve() if options.picture else cache / "pictures" / name
     picture.parent.mkdir(parents=True, exist_ok=True)
     return Job(str(path), size, options.variant, options.resolution, options.samples,
@@ -88,6 +88,7 @@ def report(options, peer, job, usage, details):
     """
     mean = environment.call("pictures", options.cache.resolve(), "picture.py", "mean", job.picture)
     line = {
+        "bench": "frames",
         "peer": peer,
         "version": details.pop("version"),
         "variant": job.variant,

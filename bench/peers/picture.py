@@ -17,7 +17,7 @@ Image.MAX_IMAGE_PIXELS = None
 
 
 def linear(path):
-    """Linear RGB, f64, top row first. A PNG holds linear 16-bit codes (POV-Ray, File_Gamma 1)."""
+    """Linear RGB, f64, top row first. A PPM holds linear codes (POV-Ray with File_Gamma 1)."""
     if path.endswith(".exr"):
         channels = OpenEXR.File(path).channels()
         for joined in ("RGB", "RGBA"):
@@ -84,7 +84,9 @@ def main():
         sheet = Image.new("RGB", ((int(side) + 4) * len(shown) - 4, int(side)), "white")
         for index, picture in enumerate(shown):
             sheet.paste(picture, (index * (int(side) + 4), 0))
-        sheet.save(out, optimize=True)
+        planes = sheet.split()
+        grey = all(plane.tobytes() == planes[0].tobytes() for plane in planes)
+        (planes[0] if grey else sheet).save(out, optimize=True)
         print(json.dumps({"written": out}))
     else:
         raise SystemExit(__doc__)

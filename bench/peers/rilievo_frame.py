@@ -11,7 +11,8 @@ import environment
 import frame
 import measure
 
-VARIANTS = ["pyramid", "distance"]
+#: Layouts of the bounds.
+VARIANTS = ["default", "tiny"]
 
 
 def scene_text(job):
@@ -34,12 +35,12 @@ shadow_samples = 1
 diffuse_samples = 1
 max_depth = {job.bounces}
 seed = {frame.SEED}
-method = "{job.variant}"
 
 [maps.relief]
 file = {json.dumps(job.map)}
 grid = "vertex"
 wrap = "clamp"
+layout = "{job.variant}"
 
 [materials.grey]
 diffuse = {[frame.DIFFUSE] * 3}
@@ -97,6 +98,7 @@ def main():
         "prepare_cpu_seconds": start.cpu_seconds,
         "render_cpu_seconds": usage.cpu_seconds - start.cpu_seconds,
         "rays": said["rays"],
+        "own_peak_rss_bytes": said["peak_rss_bytes"],
         "map_bytes": said["map_bytes"],
         "bounds_bytes": said["bounds_bytes"],
     })

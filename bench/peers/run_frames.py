@@ -1,6 +1,6 @@
 """Runs the frame by everyone and records the lines in bench/runs/<date>-<machine>/frames.jsonl.
 
-    run_frames.py [--sizes 1024,2048,4096] [--rounds 1] [--only rilievo,mitsuba] [--cache FOLDER]
+    run_frames.py [--sizes 1024,2048,4096] [--rounds 1] [--only rilievo,mitsuba] [--run FOLDER] [--append]
 
 Contenders take turns within a round, one at a time, so that whatever else the machine does meets all
 of them. Each line is appended as soon as it is there; `machine.json` beside them says where and on
@@ -17,12 +17,14 @@ import sys
 from pathlib import Path
 
 import environment
+import kernel_tables
 import measure
 
 #: (peer, variant, bounces) of the whole frame.
 FRAMES = [
-    ("rilievo", "pyramid", 1),
-    ("rilievo", "pyramid", 0),
+    ("rilievo", "default", 1),
+    ("rilievo", "tiny", 1),
+    ("rilievo", "default", 0),
     ("mitsuba", "llvm_ad_rgb", 1),
     ("mitsuba", "llvm_ad_rgb", 0),
     ("mitsuba", "scalar_rgb", 1),
@@ -34,7 +36,7 @@ FRAMES = [
 
 #: Who is asked for the first 8 x 8 pixels, one ray each, of the largest map.
 FIRST_PIXELS = [
-    ("rilievo", "pyramid", 0),
+    ("rilievo", "default", 0),
     ("povray", "hard", 0),
     ("mitsuba", "scalar_rgb", 0),
     ("cycles", "adaptive", 0),
@@ -42,22 +44,14 @@ FIRST_PIXELS = [
 
 
 def machine():
-    """What the figures depend on besides the programs."""
-    info = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
-    model = re.search(r"model name\s*:\s*(.+)", info)
-    flags = re.search(r"^flags\s*:\s*(.+)", info, re.MULTILINE)
-    vectors = [f for f in ("avx2", "avx512f") if flags and f in flags.group(1).split()]
-    memory = Path("/proc/meminfo")
-    total = re.search(r"MemTotal:\s+(\d+)", memory.read_text()) if memory.exists() else None
-    return {
-        "cpu": model.group(1) if model else platform.processor() or platform.machine(),
-        "cores": measure.threads(),
-        "vectors": vectors,
-        "memory_gib": round(int(total.group(1)) / 2**20, 1) if total else None,
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "rilievo": commit(),
-    }
+    """What the figures depend on besides the programs: the facts of `rilievo-bench machine`, and the
+    system and commit."""
+    facts = json.loads(kernel_tables.bench("machine"))
+    release = Path("/etc/os-release")
+    named = re.search(r'PRETTY_NAME="?([^"\n]+)', release.read_text()) if release.exists() else None
+    system = named.group(1) if named else platform.system()
+    return {**facts, "system": f"{system}, {platform.machine()}",
+            "python": platform.python_version(), "rilievo": commit()}
 
 
 def commit():
@@ -69,11 +63,11 @@ def commit():
     return done.stdout.strip() + (" with changes" if changed.stdout.strip() else "")
 
 
-def folder_of(options):
+def folder_of(options, cpu):
     """Where this run is recorded."""
     if options.run:
         return options.run.resolve()
-    name = re.sub(r"\(.*?\)|@.*|processor|\bcpu\b", "", machine()["cpu"], flags=re.IGNORECASE)
+    name = re.sub(r"\(.*?\)|@.*|processor|\bcpu\b", "", cpu, flags=re.IGNORECASE)
     name = "-".join(re.findall(r"[a-z0-9]+", name.lower()))
     today = datetime.datetime.now(datetime.timezone.utc).date().isoformat()
     runs = environment.repository() / "bench" / "runs"
@@ -100,8 +94,10 @@ def record(folder, options, contender, more):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sizes", default="1024,2048,4096", help="samples a side, parted by commas")
+    parser.add_argument("--resolution", type=int, default=1024, help="pixels along each side")
     parser.add_argument("--rounds", type=int, default=1, help="how often everybody's turn comes")
     parser.add_argument("--only", help="peers, parted by commas")
+    parser.add_argument("--append", action="store_true", help="add to lines that are there")
     parser.add_argument("--run", type=Path, help="folder to record in")
     parser.add_argument("--cache", type=Path, default=environment.default_cache(),
                         help="folder for environments, maps and pictures")
@@ -110,13 +106,17 @@ def main():
     wanted = options.only.split(",") if options.only else None
     chosen = [c for c in FRAMES if wanted is None or c[0] in wanted]
     first = [c for c in FIRST_PIXELS if wanted is None or c[0] in wanted]
-    folder = folder_of(options)
+    here = machine()
+    folder = folder_of(options, here["cpu"])
+    if (folder / "frames.jsonl").exists() and not options.append:
+        raise SystemExit(f"{folder} holds frames already; --append adds to them")
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "machine.json").write_text(json.dumps(machine(), indent=2) + "\n")
+    (folder / "machine.json").write_text(json.dumps(here, indent=2) + "\n")
     done = []
     for _ in range(options.rounds):
         for size in sizes:
-            done += [record(folder, options, c, ["--size", size]) for c in chosen]
+            whole = ["--size", size, "--resolution", options.resolution]
+            done += [record(folder, options, c, whole) for c in chosen]
         tiny = ["--size", max(sizes), "--resolution", 8, "--samples", 1]
         done += [record(folder, options, c, tiny) for c in first]
     print(folder)
