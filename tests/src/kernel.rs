@@ -1,10 +1,11 @@
 //! The library's own methods as entries of the suites.
 
+use std::io::Write;
 use std::sync::Arc;
 
 use rilievo::map::{DistanceBits, DistanceKind, DistanceMap, DistanceOptions, Layout, Metric};
 use rilievo::relief::{Displacement, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
-use rilievo::{Hit, Ray};
+use rilievo::{Hit, Ray, SimdLevel};
 
 use crate::conformance::{Contender, Entry};
 use crate::scenes::Scene;
@@ -53,14 +54,14 @@ pub fn relief(scene: &Scene, method: Method, layout: Layout) -> Arc<Relief> {
 /// # Panics
 /// If the library refuses it.
 pub fn face(scene: &Scene, method: Method) -> ReliefFace {
-    face_as(scene, method, Layout::Default)
+    face_as(scene, method, Layout::Default, SimdLevel::detect())
 }
 
-/// The face of a scene, traced by `method` over bounds in `layout`.
+/// The face of a scene, traced by `method` over bounds in `layout`, at a SIMD level.
 ///
 /// # Panics
 /// If the library refuses it.
-pub fn face_as(scene: &Scene, method: Method, layout: Layout) -> ReliefFace {
+pub fn face_as(scene: &Scene, method: Method, layout: Layout, simd: SimdLevel) -> ReliefFace {
     let place = &scene.place;
     let options = FaceOptions {
         displacement: Displacement {
@@ -73,6 +74,7 @@ pub fn face_as(scene: &Scene, method: Method, layout: Layout) -> ReliefFace {
         normals: ShadingNormals::Exact,
         closed: place.closed,
         one_sided: place.one_sided,
+        simd,
     };
     ReliefFace::new(place.corners, relief(scene, method, layout), options).expect("a face")
 }
@@ -84,12 +86,6 @@ pub const DDA: Entry = Entry { name: "dda", build: |scene| Box::new(face(scene, 
 pub const PYRAMID: Entry =
     Entry { name: "pyramid", build: |scene| Box::new(face(scene, Method::Pyramid)) };
 
-/// Method `pyramid` over bounds of 8 bits.
-pub const TINY: Entry = Entry {
-    name: "pyramid tiny",
-    build: |scene| Box::new(face_as(scene, Method::Pyramid, Layout::Tiny)),
-};
-
 /// Method `distance`.
 pub const DISTANCE: Entry =
     Entry { name: "distance", build: |scene| Box::new(face(scene, Method::Distance)) };
@@ -99,3 +95,31 @@ pub const DISTANCE_CORRECTED: Entry = Entry {
     name: "distance-corrected",
     build: |scene| Box::new(face(scene, Method::DistanceCorrected)),
 };
+
+/// Method `pyramid` once for every layout of the bounds and SIMD level of this processor. The levels
+/// it lacks are named on stderr.
+pub fn pyramid_everywhere() -> Vec<Entry> {
+    fn build(scene: &Scene, layout: Layout, level: &str) -> Box<dyn Contender> {
+        let level = level.parse().expect("an available level");
+        Box::new(face_as(scene, Method::Pyramid, layout, level))
+    }
+    /// Name of the level, of the entry, and how to build it.
+    type Candidate = (&'static str, &'static str, fn(&Scene) -> Box<dyn Contender + '_>);
+    let candidates: [Candidate; 6] = [
+        ("portable", "pyramid portable", |s| build(s, Layout::Default, "portable")),
+        ("avx2", "pyramid avx2", |s| build(s, Layout::Default, "avx2")),
+        ("avx512", "pyramid avx512", |s| build(s, Layout::Default, "avx512")),
+        ("portable", "pyramid tiny portable", |s| build(s, Layout::Tiny, "portable")),
+        ("avx2", "pyramid tiny avx2", |s| build(s, Layout::Tiny, "avx2")),
+        ("avx512", "pyramid tiny avx512", |s| build(s, Layout::Tiny, "avx512")),
+    ];
+    let mut found = Vec::new();
+    for (level, name, build) in candidates {
+        if level.parse::<SimdLevel>().is_ok() {
+            found.push(Entry { name, build });
+        } else {
+            let _ = writeln!(std::io::stderr(), "{name} left out: no such instructions");
+        }
+    }
+    found
+}

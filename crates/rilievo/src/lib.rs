@@ -66,9 +66,12 @@ pub mod mesh;
 mod probe;
 mod ray;
 pub mod relief;
+#[expect(unsafe_code, reason = "vector instructions; see the head of the module")]
+mod simd;
 pub mod surface;
 
 pub use glam;
 pub use hit::Hit;
 pub use probe::{Counters, Probe};
 pub use ray::{Origin, Part, Ray, Wall};
+pub use simd::{SimdLevel, UnknownSimdLevel};

@@ -13,6 +13,7 @@ use crate::hit::Hit;
 use crate::map::DistanceKind;
 use crate::probe::Probe;
 use crate::ray::{Part, Ray, Wall};
+use crate::simd::{self, Kernel, Lanes};
 
 use super::Relief;
 use super::method::Method;
@@ -182,14 +183,8 @@ impl ReliefFace {
         self.first_crossing(ray, probe).is_some()
     }
 
-    /// Where [`ReliefFace::closest`] is, before anything else is known of it.
-    pub(crate) fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
-        let heights = self.relief.heights();
-        let map_ray = self.placement.map_ray(heights, ray, self.options.closed)?;
-        let trace =
-            Trace { placement: &self.placement, relief: &self.relief, options: &self.options };
-        let crossing = trace.first_crossing(&map_ray, ray.from.is_some(), probe)?;
-        (crossing.t <= ray.t_max).then_some(crossing)
+    fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
+        simd::run(self.options.simd, FirstCrossing { face: self, ray, probe })
     }
 
     /// World-space account of a crossing that [`ReliefFace::first_crossing`] found along `ray`.
@@ -235,6 +230,27 @@ impl ReliefFace {
         };
         let normal = along.cross(self.placement.normal).normalize();
         if (normal.dot(direction) < 0.0) == front { normal } else { -normal }
+    }
+}
+
+/// One ray against one face.
+struct FirstCrossing<'a, P> {
+    face: &'a ReliefFace,
+    ray: &'a Ray,
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for FirstCrossing<'_, P> {
+    type Output = Option<Crossing>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Option<Crossing> {
+        let Self { face, ray, probe } = self;
+        let ReliefFace { placement, relief, options, .. } = face;
+        let map_ray = placement.map_ray(relief.heights(), ray, options.closed)?;
+        let trace = Trace { placement, relief, options };
+        let crossing = trace.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe)?;
+        (crossing.t <= ray.t_max).then_some(crossing)
     }
 }
 

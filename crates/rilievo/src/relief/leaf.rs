@@ -107,7 +107,7 @@ impl Span {
 /// Local coordinate along an axis at `s`, not set by a line.
 #[inline]
 fn local(ray: &MapRay, axis: usize, f: i32, s: f32) -> f32 {
-    (s * ray.d[axis] - (f as f32 - ray.o[axis])).clamp(0.0, 1.0)
+    smaller(larger(s * ray.d[axis] - (f as f32 - ray.o[axis]), 0.0), 1.0)
 }
 
 /// Local coordinate where the ray enters forward cell `f` at `s`: set on the near line.
@@ -190,6 +190,20 @@ impl Gap {
     }
 }
 
+impl Gap {
+    /// The first admitted crossing of a forward cell over the span from `t0` to `t1`.
+    #[inline]
+    pub fn first_hit(
+        &self,
+        [t0, t1]: [f32; 2],
+        cell: [i32; 2],
+        admit: Crossings,
+    ) -> Option<LeafHit> {
+        let (q, from_above) = self.first_root(admit)?;
+        Some(LeafHit { s: smaller(q * (t1 - t0) + t0, t1), cell, from_above })
+    }
+}
+
 /// The gap where the ray enters a forward cell at `s`: the `b0` of its leaf.
 pub(crate) fn gap_entering(ray: &MapRay, cell: [i32; 2], corners: &[f32; 4], s: f32) -> f32 {
     let [x, y] = [0, 1].map(|axis| entering(ray, axis, cell[axis], s));
@@ -223,9 +237,7 @@ impl Span {
         corners: &[f32; 4],
         admit: Crossings,
     ) -> Option<LeafHit> {
-        let (q, from_above) = Gap::new(ray, self, corners).first_root(admit)?;
-        let s = (q * (self.t1 - self.t0) + self.t0).min(self.t1);
-        Some(LeafHit { s, cell, from_above })
+        Gap::new(ray, self, corners).first_hit([self.t0, self.t1], cell, admit)
     }
 }
 

@@ -56,6 +56,10 @@ pub(crate) struct MapRay {
     /// Part of `0..1` outside which the ray is clear of the height range or past its own end; for
     /// culling only, never shown to the leaf.
     pub cull: [f32; 2],
+    /// Largest magnitude of a raw height of the map.
+    pub size: f32,
+    /// Whether the ray surely starts above the surface.
+    pub above: bool,
     /// The same ray before rounding.
     pub exact: ExactRay,
 }
@@ -86,8 +90,14 @@ impl Window {
 
 impl MapRay {
     /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
-    /// `cull` is the part of `0..1` worth walking.
-    pub fn new(exact: ExactRay, window: &Window, lift: f64, cull: [f64; 2]) -> Self {
+    /// `cull` is the part of `0..1` worth walking; `range` is that of the map's raw heights.
+    #[inline(always)]
+    pub fn new(
+        exact: ExactRay,
+        window: &Window,
+        (lift, range): (f64, [f64; 2]),
+        cull: [f64; 2],
+    ) -> Self {
         let mut ray = Self {
             o: [0.0; 2],
             d: [0.0; 2],
@@ -99,6 +109,8 @@ impl MapRay {
             lo: [0.0; 2],
             hi: [0.0; 2],
             cull: [(cull[0] as f32).next_down().max(0.0), (cull[1] as f32).next_up().min(1.0)],
+            size: range[0].abs().max(range[1].abs()) as f32,
+            above: lift > 0.0 || exact.origin[2] > range[1],
             exact,
         };
         for axis in 0..2 {
@@ -171,6 +183,12 @@ impl MapRay {
     #[inline]
     pub fn end_cell(&self, axis: usize) -> i32 {
         self.hi[axis].ceil() as i32
+    }
+
+    /// The cell of the window that holds the start, or the nearest one.
+    #[inline]
+    pub fn cell_of_start(&self, axis: usize) -> i32 {
+        0.clamp(self.first_cell(axis), self.end_cell(axis) - 1)
     }
 
     /// The forward cell `f` of the window with `T(f) <= s < T(f + 1)`; the nearest cell of the

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::map::NormalMap;
+use crate::simd::SimdLevel;
 
 use super::method::Method;
 
@@ -55,4 +56,7 @@ pub struct FaceOptions {
     pub closed: bool,
     /// Whether rays from behind pass through.
     pub one_sided: bool,
+    /// Vector instructions of the walk; the fastest there are, unless asked otherwise. No answer
+    /// depends on it.
+    pub simd: SimdLevel,
 }

@@ -134,7 +134,7 @@ impl Placement {
             t_length: length,
         };
         // The ray's own end, a little widened, and the part within the height range.
-        let end = ((ray.t_max - t_in) / length * (1.0 + 1e-9) + 1e-9).min(1.0);
+        let end = ((ray.t_max - t_in) / length * (1.0 + 1e-6) + 1e-9).min(1.0);
         let (z, dz) = (exact.origin[2] + lift, exact.direction[2]);
         let cull = if dz == 0.0 {
             if z < low || z > high { [1.0, 0.0] } else { [0.0, end] }
@@ -142,7 +142,7 @@ impl Placement {
             let (a, b) = ((low - z) / dz, (high - z) / dz);
             [a.min(b).clamp(0.0, 1.0), a.max(b).clamp(0.0, end)]
         };
-        Some(MapRay::new(exact, &self.window, lift, cull))
+        Some(MapRay::new(exact, &self.window, (lift, self.range), cull))
     }
 
     /// How far a spawned ray starts above the raw surface; see the proof in `leaf`. A map of zeros

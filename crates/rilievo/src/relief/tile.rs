@@ -56,10 +56,16 @@ impl TileAxis {
         if self.down { self.offset - f } else { self.offset + f }
     }
 
-    /// The forward cell at which the stored cells `first .. first + len` begin.
+    /// What stored cells are combined with to give mirrored cells: 0, or -1 if they go down.
     #[inline]
-    pub fn forward_start(&self, first: i32, len: i32) -> i32 {
-        if self.down { self.offset - (first + len - 1) } else { first - self.offset }
+    pub fn mirror(&self) -> i32 {
+        -i32::from(self.down)
+    }
+
+    /// Mirrored cell of forward cell 0; forward cell `f` is mirrored cell `mirrored_origin + f`.
+    #[inline]
+    pub fn mirrored_origin(&self) -> i32 {
+        self.offset ^ self.mirror()
     }
 }
 
@@ -104,16 +110,26 @@ impl Tile {
         admit: Crossings,
     ) -> Option<LeafHit> {
         let hit = span.intersect(ray, cell, &self.corners(map, cell), admit)?;
-        if span.t0 == 0.0 {
-            let unfolded = [0, 1].map(|axis| ray.unfolded(axis, cell[axis]));
-            if refine::starts_beyond(&ray.exact, map, unfolded, (f64::from(hit.s), hit.from_above))
-            {
-                return None;
+        self.confirms(map, ray, (span.t0, &hit), admit).then_some(hit)
+    }
+
+    /// Whether the unrounded ray bears out what the leaf found in a span that begins at `t0`.
+    #[inline]
+    pub fn confirms(
+        &self,
+        map: &HeightMap,
+        ray: &MapRay,
+        (t0, hit): (f32, &LeafHit),
+        admit: Crossings,
+    ) -> bool {
+        let root = (f64::from(hit.s), hit.from_above);
+        if t0 == 0.0 {
+            let unfolded = [0, 1].map(|axis| ray.unfolded(axis, hit.cell[axis]));
+            if refine::starts_beyond(&ray.exact, map, unfolded, root) {
+                return false;
             }
         }
-        let confirmed = admit == Crossings::Both
-            || refine::crosses(&ray.exact, map, f64::from(hit.s), hit.from_above);
-        confirmed.then_some(hit)
+        admit == Crossings::Both || refine::crosses(&ray.exact, map, root.0, root.1)
     }
 
     /// The forward cell of this tile in which the ray is at `s`.

@@ -3,6 +3,7 @@
 use crate::map::{DistanceKind, HeightMap, Lattice, Wrap};
 use crate::probe::Probe;
 use crate::ray::Wall;
+use crate::simd::Lanes;
 
 use super::Relief;
 use super::approximate::{ApproximateHit, Segment};
@@ -78,7 +79,8 @@ impl Trace<'_> {
     }
 
     /// The first crossing along a ray. `spawned` rays start on this very surself.
-    pub fn first_crossing<P: Probe>(
+    #[inline(always)]
+    pub fn first_crossing<L: Lanes, P: Probe>(
         &self,
         ray: &MapRay,
         spawned: bool,
@@ -89,7 +91,7 @@ impl Trace<'_> {
             let hit = first_approximate(self, ray, spawned, probe)?;
             return Some(approximate_crossing(self, ray, hit));
         }
-        let (met, rising) = (first_met(self, ray, probe)?, self.options.displacement.scale > 0.0);
+        let (met, rising) = (first_met::<L, P>(self, ray, probe)?, self.options.displacement.scale > 0.0);
         let exact = &ray.exact;
         Some(match met {
             Met::Surface(LeafHit { s, cell, from_above }) => {
@@ -126,7 +128,8 @@ impl Trace<'_> {
 }
 
 /// Walks the tiles front to back; inside each the face's method finds the first crossing.
-fn first_met<P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<Met> {
+#[inline(always)]
+fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<Met> {
     let heights = face.relief.heights();
     let (enter, leave) = ray.window_span()?;
     if face.options.closed
@@ -142,7 +145,7 @@ fn first_met<P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<
         loop {
             let tile = Tile::new(heights, ray, cell);
             let part = [start.max(tile.enter), stop.min(tile.leave)];
-            if let Some(hit) = walk_tile(face, ray, &tile, part, probe) {
+            if let Some(hit) = walk_tile::<L, P>(face, ray, &tile, part, probe) {
                 return Some(Met::Surface(hit));
             }
             if tile.leave >= stop {
@@ -171,7 +174,8 @@ fn first_met<P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<
 }
 
 /// The face's method on one tile.
-fn walk_tile<P: Probe>(
+#[inline(always)]
+fn walk_tile<L: Lanes, P: Probe>(
     face: &Trace<'_>,
     ray: &MapRay,
     tile: &Tile,
@@ -189,7 +193,7 @@ fn walk_tile<P: Probe>(
     match (face.options.method, distances) {
         (Method::Dda, _) => walk_cells(heights, ray, tile, part, (admit, probe)),
         (_, Some(map)) => walk_distance((heights, map), ray, tile, part, (admit, probe)),
-        _ => walk_pyramid((heights, relief.pyramid()), ray, tile, admit, probe),
+        _ => walk_pyramid::<L, P>((heights, relief.pyramid()), ray, tile, admit, probe),
     }
 }
 

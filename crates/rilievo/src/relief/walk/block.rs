@@ -1,0 +1,234 @@
+//! [`Blocks`]: one ray against the sixteen cells of a block, the leaf in lanes.
+//!
+//! The formulas are those of `leaf`, operation by operation, so their bits are too. Lanes only find
+//! out which cells have a root; the root itself is computed by the leaf's own function for the cell
+//! met first, so that one division and one square root are enough.
+
+use crate::map::{HeightMap, Samples};
+use crate::probe::Probe;
+use crate::simd::{Lanes, Mirror, WIDTH};
+
+use super::super::leaf::{Crossings, Gap, LeafHit};
+use super::super::map_ray::MapRay;
+use super::super::tile::Tile;
+
+/// Column and row of each lane.
+static PLACES: [[f32; WIDTH]; 2] = [
+    [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
+    [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0],
+];
+
+/// A ray in a tile, ready to be tested against blocks.
+pub(super) struct Blocks<'a, L: Lanes> {
+    map: &'a HeightMap,
+    ray: &'a MapRay,
+    tile: &'a Tile,
+    o: [L; 2],
+    d: [L; 2],
+    inv: [L; 2],
+    lo: [L; 2],
+    hi: [L; 2],
+}
+
+/// Sixteen roots to be.
+struct Gaps<L: Lanes> {
+    span: [L; 2],
+    b: [L; 3],
+    candidates: u16,
+}
+
+/// The place in the cell at both ends of a span along one axis.
+struct Ends<L: Lanes> {
+    t_near: L,
+    t_far: L,
+    near_line: L,
+    far_line: L,
+    f: L,
+}
+
+impl<'a, L: Lanes> Blocks<'a, L> {
+    #[inline(always)]
+    pub fn new(map: &'a HeightMap, ray: &'a MapRay, tile: &'a Tile) -> Self {
+        Self {
+            map,
+            ray,
+            tile,
+            o: ray.o.map(L::splat),
+            d: ray.d.map(L::splat),
+            inv: ray.inv.map(L::splat),
+            lo: ray.lo.map(L::splat),
+            hi: ray.hi.map(L::splat),
+        }
+    }
+
+    /// The first admitted crossing in the block with its corner at a mirrored cell.
+    #[inline(always)]
+    pub fn first_hit<P: Probe>(
+        &self,
+        corner: [i32; 2],
+        admit: Crossings,
+        probe: &mut P,
+    ) -> Option<LeafHit> {
+        let axes = &self.tile.axes;
+        let first = [0, 1].map(|axis| corner[axis] - axes[axis].mirrored_origin());
+        let gaps = self.gaps(first, self.corners(corner));
+        probe.cell();
+        let mut candidates = gaps.candidates;
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let [t0, t1] = gaps.span.map(|t| t.store()[lane]);
+            let [b0, b1, b2] = gaps.b.map(|b| b.store()[lane]);
+            let cell = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
+            if let Some(hit) = (Gap { b0, b1, b2 }).first_hit([t0, t1], cell, admit)
+                && self.tile.confirms(self.map, self.ray, (t0, &hit), admit)
+            {
+                return Some(hit);
+            }
+        }
+        None
+    }
+
+    /// Gaps over the cells of the block that begins at a forward cell.
+    #[inline(always)]
+    fn gaps(&self, first: [i32; 2], corners: [L; 4]) -> Gaps<L> {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let x = self.ends(0, first[0]);
+        let y = self.ends(1, first[1]);
+        let t0 = x.t_near.larger(y.t_near).larger(zero);
+        let t1 = x.t_far.smaller(y.t_far).smaller(one);
+        let [cull_in, cull_out] = self.ray.cull.map(L::splat);
+        let mut active = L::and(
+            t0.below(t1),
+            L::and(cull_in.at_most(t1), t0.at_most(cull_out)),
+        );
+        let axes = &self.tile.axes;
+        if (0..2).any(|k| first[k] < axes[k].from || first[k] + 4 > axes[k].to) {
+            for (ends, axis) in [(&x, &axes[0]), (&y, &axes[1])] {
+                let [from, to] = [axis.from, axis.to].map(|line| L::splat(line as f32));
+                let inside = L::and(from.at_most(ends.f), ends.f.below(to));
+                active = L::and(active, inside);
+            }
+        }
+        let (xa, xb) = self.locals(0, &x, t0, t1);
+        let (ya, yb) = self.locals(1, &y, t0, t1);
+        let [h00, h10, h01, h11] = corners;
+        let (near_a, far_a) = (lerp(h00, h01, ya), lerp(h10, h11, ya));
+        let (near_b, far_b) = (lerp(h00, h01, yb), lerp(h10, h11, yb));
+        let (dz, oz) = (L::splat(self.ray.dz), L::splat(self.ray.oz));
+        let (za, zb) = (t0.times(dz).plus(oz), t1.times(dz).plus(oz));
+        let b0 = za.minus(lerp(near_a, far_a, xa));
+        let crossed = lerp(near_b, far_b, xa).plus(lerp(near_a, far_a, xb));
+        let b1 = za.plus(zb).minus(crossed).times(L::splat(0.5));
+        let b2 = zb.minus(lerp(near_b, far_b, xb));
+        // Seen from the side of the start.
+        let [start, middle, end] = [b0, b1, b2].map(|b| b.turned_by(b0));
+        let dips = L::and(middle.below(zero), zero.at_most(b1.times(b1).minus(b0.times(b2))));
+        let root = L::or(L::or(start.at_most(zero), end.at_most(zero)), dips);
+        Gaps { span: [t0, t1], b: [b0, b1, b2], candidates: L::bits(L::and(active, root)) }
+    }
+
+    /// Lines of the cells along one axis, cut to the window, and their parameters.
+    #[inline(always)]
+    fn ends(&self, axis: usize, first: i32) -> Ends<L> {
+        let f = L::splat(first as f32).plus(L::load(&PLACES[axis]));
+        let near_line = f.larger(self.lo[axis]);
+        let far_line = f.plus(L::splat(1.0)).smaller(self.hi[axis]);
+        let t = |line: L| line.minus(self.o[axis]).times(self.inv[axis]);
+        Ends { t_near: t(near_line), t_far: t(far_line), near_line, far_line, f }
+    }
+
+    /// Local coordinates where the ray enters and leaves.
+    #[inline(always)]
+    fn locals(&self, axis: usize, ends: &Ends<L>, t0: L, t1: L) -> (L, L) {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let start = ends.f.minus(self.o[axis]);
+        let local = |s: L| s.times(self.d[axis]).minus(start).larger(zero).smaller(one);
+        let set_near = t0.at_most(ends.t_near);
+        let set_far = ends.t_far.at_most(t1);
+        (
+            ends.near_line.minus(ends.f).where_else(set_near, local(t0)),
+            ends.far_line.minus(ends.f).where_else(set_far, local(t1)),
+        )
+    }
+
+    /// Corner heights of the block with its corner at a mirrored cell.
+    #[inline(always)]
+    fn corners(&self, corner: [i32; 2]) -> [L; 4] {
+        let [ax, ay] = &self.tile.axes;
+        // The stored cell of the block with the smallest indices.
+        let cell = [(ax, corner[0]), (ay, corner[1])]
+            .map(|(axis, g)| (if axis.mirror() < 0 { !(g + 3) } else { g }) as u32);
+        let mirror = Mirror { x: ax.mirror() < 0, y: ay.mirror() < 0 };
+        match self.map.samples() {
+            Samples::U16(samples) => {
+                let mut spare = [[0; 8]; 5];
+                let rows = block_rows(self.map, samples, cell, &mut spare);
+                L::corners_u16(in_order(rows, mirror.y), mirror.x)
+            }
+            Samples::F32(samples) => {
+                let mut spare = [[0.0; 8]; 5];
+                let rows = block_rows(self.map, samples, cell, &mut spare);
+                L::corners_f32(in_order(rows, mirror.y), mirror.x)
+            }
+        }
+    }
+}
+
+/// Linear interpolation as `leaf::lerp`.
+#[inline(always)]
+fn lerp<L: Lanes>(a: L, b: L, t: L) -> L {
+    t.times(b).plus(a.minus(t.times(a)))
+}
+
+/// Rows in the order of the forward cells.
+#[inline(always)]
+fn in_order<T>(rows: [&T; 5], backward: bool) -> [&T; 5] {
+    let [a, b, c, d, e] = rows;
+    if backward { [e, d, c, b, a] } else { rows }
+}
+
+/// The five rows of samples of the block of stored cells at `cell`; the first five of each count. A
+/// block whose rows do not lie whole in the map is put together in `spare`.
+#[inline(always)]
+fn block_rows<'a, T: Copy>(
+    map: &HeightMap,
+    samples: &'a [T],
+    cell: [u32; 2],
+    spare: &'a mut [[T; 8]; 5],
+) -> [&'a [T; 8]; 5] {
+    let (width, height) = (map.width() as i32, map.height() as i32);
+    let x = cell[0] as i32 + map.x().first_cell();
+    let y = cell[1] as i32 + map.y().first_cell();
+    if x >= 0 && y >= 0 && x + 5 <= width && y + 5 <= height {
+        let at = y as usize * width as usize + x as usize;
+        let row = |k: usize| samples[at + k * width as usize..].first_chunk::<8>();
+        if let (Some(a), Some(b), Some(c), Some(d), Some(e)) =
+            (row(0), row(1), row(2), row(3), row(4))
+        {
+            return [a, b, c, d, e];
+        }
+    }
+    gather_rows(map, samples, cell, spare);
+    spare.each_ref()
+}
+
+/// The rows of a block at the border of the map, sample by sample.
+#[cold]
+#[inline(never)]
+fn gather_rows<T: Copy>(map: &HeightMap, samples: &[T], cell: [u32; 2], rows: &mut [[T; 8]; 5]) {
+    // Samples at the five lines of the block; lines beyond the last cell repeat its far one.
+    let lines = |axis: &crate::map::Axis, first: u32| {
+        let last = axis.cells() - 1;
+        std::array::from_fn::<_, 5, _>(|k| {
+            let c = first + k as u32;
+            if c <= last { axis.corners(c).0 } else { axis.corners(last).1 }
+        })
+    };
+    let (columns, lines) = (lines(map.x(), cell[0]), lines(map.y(), cell[1]));
+    for (row, j) in rows.iter_mut().zip(lines) {
+        for (sample, i) in row.iter_mut().zip(columns) {
+            *sample = samples[j as usize * map.width() as usize + i as usize];
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Sixteen lanes in one AVX-512 register.
+
+use std::arch::x86_64::{
+    __m128i, __m256i, __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadu_ps,
+    _mm_loadu_si128, _mm_shuffle_epi8, _mm256_loadu_si256, _mm256_permutexvar_epi16,
+    _mm512_add_ps, _mm512_castps_si512, _mm512_castps128_ps512, _mm512_castsi128_si512,
+    _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32,
+    _mm512_cvtepu16_epi32, _mm512_insertf32x4, _mm512_inserti32x4, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
+    _mm512_permute_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_epi8, _mm512_storeu_ps,
+    _mm512_sub_ps, _mm512_ternarylogic_epi32,
+};
+
+use super::orders::{BYTES, WIDEN, WORDS};
+use super::{Kernel, Lanes, Mirror, WIDTH};
+
+/// Lane `k` is element `k`.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512(__m512);
+
+/// Compiles a kernel with this level's instructions.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn enter<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Avx512>()
+}
+
+// Every block of this implementation: SAFETY: values of this type exist only inside of `enter`,
+// whose caller has made sure of the instructions; loads and stores go through references to
+// arrays of the full width.
+impl Lanes for Avx512 {
+    type Mask = __mmask16;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_set1_ps(x) })
+    }
+
+    #[inline(always)]
+    fn load(from: &[f32; WIDTH]) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_loadu_ps(from.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f32; WIDTH] {
+        let mut out = [0.0; WIDTH];
+        // SAFETY: see above.
+        unsafe { _mm512_storeu_ps(out.as_mut_ptr(), self.0) };
+        out
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_add_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_sub_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_mul_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_min_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> __mmask16 {
+        // SAFETY: see above.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> __mmask16 {
+        // SAFETY: see above.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn where_else(self, mask: __mmask16, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_mask_blend_ps(mask, other.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn turned_by(self, by: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm512_set1_epi32(i32::MIN);
+            let (a, b) = (_mm512_castps_si512(self.0), _mm512_castps_si512(by.0));
+            // a ^ (b & sign)
+            Self(_mm512_castsi512_ps(_mm512_ternarylogic_epi32::<0x78>(a, b, sign)))
+        }
+    }
+
+    #[inline(always)]
+    fn all(set: bool) -> __mmask16 {
+        if set { __mmask16::MAX } else { 0 }
+    }
+
+    #[inline(always)]
+    fn and(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+
+    #[inline(always)]
+    fn or(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a | b
+    }
+
+    #[inline(always)]
+    fn bits(mask: __mmask16) -> u16 {
+        mask
+    }
+
+    #[inline(always)]
+    fn from_u16(codes: &[u16; WIDTH], mirror: Mirror) -> Self {
+        // SAFETY: see above; 16 words are 32 bytes.
+        unsafe {
+            let codes = _mm256_loadu_si256(codes.as_ptr().cast::<__m256i>());
+            let order = _mm256_loadu_si256(WORDS[mirror.index()].as_ptr().cast::<__m256i>());
+            let codes = _mm256_permutexvar_epi16(order, codes);
+            Self(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(codes)))
+        }
+    }
+
+    #[inline(always)]
+    fn from_u8(codes: &[u8; WIDTH], mirror: Mirror) -> Self {
+        // SAFETY: see above; 16 bytes.
+        unsafe {
+            let codes = _mm_loadu_si128(codes.as_ptr().cast::<__m128i>());
+            let order = _mm_loadu_si128(BYTES[mirror.index()].as_ptr().cast::<__m128i>());
+            let codes = _mm_shuffle_epi8(codes, order);
+            Self(_mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(codes)))
+        }
+    }
+
+    #[inline(always)]
+    fn corners_u16(rows: [&[u16; 8]; 5], backward: bool) -> [Self; 4] {
+        // SAFETY: see above; a row is 16 bytes, a table 64.
+        unsafe {
+            let row = |k: usize| _mm_loadu_si128(rows[k].as_ptr().cast::<__m128i>());
+            let square = |k: usize| {
+                let v = _mm512_castsi128_si512(row(k));
+                let v = _mm512_inserti32x4::<1>(v, row(k + 1));
+                let v = _mm512_inserti32x4::<2>(v, row(k + 2));
+                _mm512_inserti32x4::<3>(v, row(k + 3))
+            };
+            let order = |shift: usize| {
+                let bytes = &WIDEN[usize::from(backward)][shift];
+                _mm512_loadu_si512(bytes.as_ptr().cast::<__m512i>())
+            };
+            let (near, far) = (square(0), square(1));
+            let (low, high) = (order(0), order(1));
+            [(near, low), (near, high), (far, low), (far, high)]
+                .map(|(v, order)| Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(v, order))))
+        }
+    }
+
+    #[inline(always)]
+    fn corners_f32(rows: [&[f32; 8]; 5], backward: bool) -> [Self; 4] {
+        // SAFETY: see above; four floats from element 0 or 1 of eight.
+        unsafe {
+            let part = |k: usize, shift: usize| _mm_loadu_ps(rows[k][shift..].as_ptr());
+            let square = |k: usize, shift: usize| {
+                let v = _mm512_castps128_ps512(part(k, shift));
+                let v = _mm512_insertf32x4::<1>(v, part(k + 1, shift));
+                let v = _mm512_insertf32x4::<2>(v, part(k + 2, shift));
+                _mm512_insertf32x4::<3>(v, part(k + 3, shift))
+            };
+            let [a, b, c, d] = [square(0, 0), square(0, 1), square(1, 0), square(1, 1)];
+            if backward {
+                [b, a, d, c].map(|v| Self(_mm512_permute_ps::<0b00_01_10_11>(v)))
+            } else {
+                [a, b, c, d].map(Self)
+            }
+        }
+    }
+}
