@@ -169,6 +169,23 @@ impl Axis {
     /// The run that holds unfolded cell `i`.
     #[inline]
     pub fn run(&self, i: i32) -> Run {
+        // The map itself, without a division.
+        let (start, len) = (self.first_cell(), self.cells() as i32);
+        if i >= start && i < start + len - i32::from(self.mirrors_texels()) {
+            let len = len - i32::from(self.mirrors_texels());
+            return Run { start, len, first: 0, flipped: false };
+        }
+        self.outer_run(i)
+    }
+
+    /// Whether the last stored cell belongs to the reflected map.
+    #[inline]
+    fn mirrors_texels(&self) -> bool {
+        (self.lattice, self.wrap) == (Lattice::Texel, Wrap::Mirror)
+    }
+
+    /// The run that holds unfolded cell `i`, in any repetition.
+    fn outer_run(&self, i: i32) -> Run {
         let n = self.samples as i32;
         match (self.lattice, self.wrap) {
             (_, Wrap::Clamp) => {

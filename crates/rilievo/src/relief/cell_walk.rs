@@ -12,6 +12,7 @@ use super::tile::Tile;
 
 /// The first admitted crossing among the tile's cells from the one at `from` on, without those that
 /// begin at or after `to`.
+#[inline(never)]
 pub(crate) fn walk_cells<P: Probe>(
     map: &HeightMap,
     ray: &MapRay,

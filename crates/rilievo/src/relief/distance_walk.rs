@@ -23,6 +23,7 @@ use super::map_ray::MapRay;
 use super::tile::{Tile, TileAxis};
 
 /// The first admitted crossing in a tile between two parameters, found with a distance map.
+#[inline(never)]
 pub(crate) fn walk_distance<P: Probe>(
     (map, distances): (&HeightMap, &DistanceMap),
     ray: &MapRay,

@@ -88,6 +88,37 @@ impl Window {
     }
 }
 
+/// One axis of a [`MapRay`].
+struct AxisRay {
+    o: f32,
+    d: f32,
+    base: i32,
+    backward: bool,
+    lo: f32,
+    hi: f32,
+}
+
+/// Rounds one axis of an exact ray. Counting backward is counting forward in the mirror, without a
+/// branch: signs are turned, and what was low is high.
+#[inline(always)]
+fn axis_ray(exact: &ExactRay, window: &Window, axis: usize) -> AxisRay {
+    let (origin, direction) = (exact.origin[axis], exact.direction[axis]);
+    let (lo, hi) = (window.lo[axis], window.hi[axis]);
+    // A ray in the plane of the far border is counted backward too: borders are closed.
+    let backward = (direction < 0.0) | ((direction == 0.0) & (origin == hi));
+    let (sign, near, far) = if backward { (-1.0, -hi, -lo) } else { (1.0, lo, hi) };
+    let start = sign * origin;
+    let base = start.floor();
+    AxisRay {
+        o: (start - base) as f32,
+        d: direction.abs() as f32,
+        base: (sign * base) as i32,
+        backward,
+        lo: (near - base) as f32,
+        hi: (far - base) as f32,
+    }
+}
+
 impl MapRay {
     /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
     /// `cull` is the part of `0..1` worth walking; `range` is that of the map's raw heights.
@@ -98,43 +129,25 @@ impl MapRay {
         (lift, range): (f64, [f64; 2]),
         cull: [f64; 2],
     ) -> Self {
-        let mut ray = Self {
-            o: [0.0; 2],
-            d: [0.0; 2],
-            inv: [0.0; 2],
+        let [x, y] = [axis_ray(&exact, window, 0), axis_ray(&exact, window, 1)];
+        Self {
+            o: [x.o, y.o],
+            d: [x.d, y.d],
+            inv: [1.0 / larger(x.d, 1e-30), 1.0 / larger(y.d, 1e-30)],
             oz: (exact.origin[2] + lift) as f32,
             dz: exact.direction[2] as f32,
-            base: [0; 2],
-            backward: [false; 2],
-            lo: [0.0; 2],
-            hi: [0.0; 2],
-            cull: [(cull[0] as f32).next_down().max(0.0), (cull[1] as f32).next_up().min(1.0)],
+            base: [x.base, y.base],
+            backward: [x.backward, y.backward],
+            lo: [x.lo, y.lo],
+            hi: [x.hi, y.hi],
+            cull: [
+                larger((cull[0] as f32).next_down(), 0.0),
+                smaller((cull[1] as f32).next_up(), 1.0),
+            ],
             size: range[0].abs().max(range[1].abs()) as f32,
             above: lift > 0.0 || exact.origin[2] > range[1],
             exact,
-        };
-        for axis in 0..2 {
-            let (origin, direction) = (exact.origin[axis], exact.direction[axis]);
-            let (lo, hi) = (window.lo[axis], window.hi[axis]);
-            // A ray in the plane of the far border is counted backward too: borders are closed.
-            if direction < 0.0 || (direction == 0.0 && origin == hi) {
-                let base = origin.ceil();
-                ray.base[axis] = base as i32;
-                ray.backward[axis] = true;
-                ray.o[axis] = (base - origin) as f32;
-                ray.lo[axis] = (base - hi) as f32;
-                ray.hi[axis] = (base - lo) as f32;
-            } else {
-                let base = origin.floor();
-                ray.base[axis] = base as i32;
-                ray.o[axis] = (origin - base) as f32;
-                ray.lo[axis] = (lo - base) as f32;
-                ray.hi[axis] = (hi - base) as f32;
-            }
-            ray.d[axis] = direction.abs() as f32;
-            ray.inv[axis] = 1.0 / ray.d[axis].max(1e-30);
         }
-        ray
     }
 
     /// Parameter at which the ray meets a line of an axis.
@@ -193,6 +206,7 @@ impl MapRay {
 
     /// The forward cell `f` of the window with `T(f) <= s < T(f + 1)`; the nearest cell of the
     /// window if there is none.
+    #[inline(always)]
     pub fn cell_at(&self, axis: usize, s: f32) -> i32 {
         let (first, last) = (self.first_cell(axis), self.end_cell(axis) - 1);
         let guess = (self.o[axis] + s * self.d[axis]).floor() as i32;
@@ -229,9 +243,10 @@ impl MapRay {
     }
 
     /// Parameters at which the ray enters and leaves the window, if it crosses it after `s = 0`.
+    #[inline(always)]
     pub fn window_span(&self) -> Option<(f32, f32)> {
-        let enter = self.t(0, self.lo[0]).max(self.t(1, self.lo[1])).max(0.0);
-        let leave = self.t(0, self.hi[0]).min(self.t(1, self.hi[1])).min(1.0);
+        let enter = larger(larger(self.t(0, self.lo[0]), self.t(1, self.lo[1])), 0.0);
+        let leave = smaller(smaller(self.t(0, self.hi[0]), self.t(1, self.hi[1])), 1.0);
         (enter < leave).then_some((enter, leave))
     }
 }

@@ -21,8 +21,10 @@ pub(crate) struct Placement {
     pub edge_v: DVec3,
     /// Unit, along `edge_u x edge_v`.
     pub normal: DVec3,
-    /// (u, v, distance along the normal) from a world vector.
-    uvw_from_world: DMat3,
+    /// Lattice space from a world vector: unfolded cells along u and v, raw heights.
+    lattice_from_world: DMat3,
+    /// The face's corner in lattice space.
+    lattice_corner: DVec3,
     pub displacement: Displacement,
     /// The face's border in lattice space.
     pub window: Window,
@@ -30,10 +32,15 @@ pub(crate) struct Placement {
     pub raw_zero: f64,
     /// Raw heights per scene unit along the normal.
     pub raw_per_length: f64,
-    /// Largest magnitude of a raw height of the map.
-    size: f64,
     /// Raw range of the map.
     range: [f64; 2],
+    /// The range within which rays are walked: wider by 64 slacks of the leaf.
+    culled: [f64; 2],
+    /// How far above the raw surface a ray starts that is spawned towards larger heights; see the
+    /// proof in `leaf`. A map of zeros gets a lift of 2^-28 of the face's size.
+    lift: f64,
+    /// Whether larger raw heights lie farther along the normal.
+    rises: bool,
 }
 
 impl Placement {
@@ -50,18 +57,34 @@ impl Placement {
         };
         let normal = edge_u.cross(edge_v).normalize();
         let (low, high) = heights.raw_range();
+        let size = low.abs().max(high.abs());
+        let pad = 64.0 * f64::from(leaf::slack(size));
+        let raw_per_length = 1.0 / (scale * heights.unit());
+        let extent = edge_u.length().max(edge_v.length());
+        let least = (extent * raw_per_length.abs()) as f32 * 2.0f32.powi(-10);
+        let raw_zero = zero / heights.unit();
+        let per_uvw = DVec3::new(
+            tile[0] * f64::from(heights.x().period()),
+            tile[1] * f64::from(heights.y().period()),
+            raw_per_length,
+        );
+        let window = Window { lo: [line(0.0, 0), line(0.0, 1)], hi: [line(1.0, 0), line(1.0, 1)] };
+        let uvw_from_world = DMat3::from_cols(edge_u, edge_v, normal).inverse();
         Self {
             corner,
             edge_u,
             edge_v,
             normal,
-            uvw_from_world: DMat3::from_cols(edge_u, edge_v, normal).inverse(),
+            lattice_from_world: DMat3::from_diagonal(per_uvw) * uvw_from_world,
+            lattice_corner: DVec3::new(window.lo[0], window.lo[1], raw_zero),
             displacement,
-            window: Window { lo: [line(0.0, 0), line(0.0, 1)], hi: [line(1.0, 0), line(1.0, 1)] },
-            raw_zero: zero / heights.unit(),
-            raw_per_length: 1.0 / (scale * heights.unit()),
-            size: f64::from(low.abs().max(high.abs())),
+            window,
+            raw_zero,
+            raw_per_length,
             range: [f64::from(low), f64::from(high)],
+            culled: [f64::from(low) - pad, f64::from(high) + pad],
+            lift: f64::from(leaf::lift(size.max(least))),
+            rises: scale > 0.0,
         }
     }
 
@@ -84,79 +107,69 @@ impl Placement {
         ]
     }
 
-    /// Origin and direction of a world ray in lattice space, if they are finite.
-    fn lattice_ray(&self, heights: &HeightMap, ray: &Ray) -> Option<([f64; 3], [f64; 3])> {
-        let start = self.uvw_from_world * (ray.origin - self.corner);
-        let along = self.uvw_from_world * ray.direction;
-        let Displacement { tile, shift, .. } = self.displacement;
-        let (px, py) = (f64::from(heights.x().period()), f64::from(heights.y().period()));
-        let origin = [
-            heights.x().coordinate(start.x * tile[0] + shift[0]),
-            heights.y().coordinate(start.y * tile[1] + shift[1]),
-            self.raw_zero + start.z * self.raw_per_length,
-        ];
-        let direction =
-            [along.x * tile[0] * px, along.y * tile[1] * py, along.z * self.raw_per_length];
-        origin.iter().chain(&direction).all(|x| x.is_finite()).then_some((origin, direction))
-    }
-
     /// The ray in the frame of the walk; none if it passes by the face's box. `closed` includes the
     /// walls down to offset 0 in the box.
-    pub fn map_ray(&self, heights: &HeightMap, ray: &Ray, closed: bool) -> Option<MapRay> {
-        let (mut origin, direction) = self.lattice_ray(heights, ray)?;
+    #[inline(always)]
+    pub fn map_ray(&self, ray: &Ray, closed: bool) -> Option<MapRay> {
+        let mut origin = self.lattice_from_world * (ray.origin - self.corner) + self.lattice_corner;
+        let direction = self.lattice_from_world * ray.direction;
+        // Not finite: the product with 0 is NaN.
+        if (origin + direction).dot(DVec3::ZERO) != 0.0 {
+            return None;
+        }
         let mut lift = 0.0;
         if let Some(Origin { part, front, .. }) = ray.from {
             match part {
                 Part::Wall(wall) => self.leave_wall(wall, &mut origin, direction)?,
-                _ => lift = self.lift(front),
+                _ => lift = if front == self.rises { self.lift } else { -self.lift },
             }
         }
-        let pad = 64.0 * f64::from(leaf::slack(self.size as f32));
-        let [low, high] = [self.range[0] - pad, self.range[1] + pad];
+        let [low, high] = self.culled;
         let (mut floor, mut roof) = (low, high);
         if closed {
+            let pad = high - self.range[1];
             (floor, roof) = (low.min(self.raw_zero - pad), high.max(self.raw_zero + pad));
         }
+        let beyond = high - self.range[1] + lift.abs();
         let Window { lo, hi } = self.window;
-        let (t_in, t_out) = clip(
-            (origin, direction),
-            [lo[0] - 1.0, lo[1] - 1.0, floor - pad - lift.abs()],
-            [hi[0] + 1.0, hi[1] + 1.0, roof + pad + lift.abs()],
-        )?;
+        let low_corner = DVec3::new(lo[0] - 1.0, lo[1] - 1.0, floor - beyond);
+        let high_corner = DVec3::new(hi[0] + 1.0, hi[1] + 1.0, roof + beyond);
+        let inv = reciprocal(direction);
+        let (t_in, t_out) = clip(origin, inv, [low_corner, high_corner]);
         let length = t_out - t_in;
-        if t_in > ray.t_max || !(length > 0.0 && length.is_finite()) {
+        // Empty, endless (all directions zero) or behind the ray's end.
+        if !(length > 0.0 && length < f64::INFINITY && t_in <= ray.t_max) {
             return None;
         }
-        let exact = ExactRay {
-            origin: [0, 1, 2].map(|k| origin[k] + t_in * direction[k]),
-            direction: direction.map(|d| d * length),
-            t_start: t_in,
-            t_length: length,
-        };
+        let start = origin + t_in * direction;
+        let part = 1.0 / length;
         // The ray's own end, a little widened, and the part within the height range.
-        let end = ((ray.t_max - t_in) / length * (1.0 + 1e-6) + 1e-9).min(1.0);
-        let (z, dz) = (exact.origin[2] + lift, exact.direction[2]);
-        let cull = if dz == 0.0 {
+        let end = if ray.t_max < t_out {
+            ((ray.t_max - t_in) * part * (1.0 + 1e-6) + 1e-9).min(1.0)
+        } else {
+            1.0
+        };
+        let z = start.z + lift;
+        let cull = if direction.z == 0.0 {
             if z < low || z > high { [1.0, 0.0] } else { [0.0, end] }
         } else {
-            let (a, b) = ((low - z) / dz, (high - z) / dz);
-            [a.min(b).clamp(0.0, 1.0), a.max(b).clamp(0.0, end)]
+            let scale = inv.z * part;
+            let (a, b) = ((low - z) * scale, (high - z) * scale);
+            [smaller64(a, b).max(0.0), smaller64(larger64(a, b), end)]
+        };
+        let exact = ExactRay {
+            origin: start.to_array(),
+            direction: (direction * length).to_array(),
+            t_start: t_in,
+            t_length: length,
         };
         Some(MapRay::new(exact, &self.window, (lift, self.range), cull))
     }
 
-    /// How far a spawned ray starts above the raw surface; see the proof in `leaf`. A map of zeros
-    /// gets a lift of 2^-28 of the face's size.
-    fn lift(&self, front: bool) -> f64 {
-        let extent = self.edge_u.length().max(self.edge_v.length());
-        let least = (extent * self.raw_per_length.abs()) as f32 * 2.0f32.powi(-10);
-        let lift = f64::from(leaf::lift((self.size as f32).max(least)));
-        if front == (self.displacement.scale > 0.0) { lift } else { -lift }
-    }
-
     /// Puts a ray that starts on a wall exactly on the wall's line. None if it leaves the face for
     /// good: a straight line crosses the border's line only once.
-    fn leave_wall(&self, wall: Wall, origin: &mut [f64; 3], direction: [f64; 3]) -> Option<()> {
+    #[cold]
+    fn leave_wall(&self, wall: Wall, origin: &mut DVec3, direction: DVec3) -> Option<()> {
         let (axis, line) = self.wall_line(wall);
         let outward = match wall {
             Wall::LowU | Wall::LowV => -1.0,
@@ -184,23 +197,34 @@ impl Placement {
     }
 }
 
-/// Parameters at which a line is inside a box, not before 0.
-fn clip(
-    (origin, direction): ([f64; 3], [f64; 3]),
-    low: [f64; 3],
-    high: [f64; 3],
-) -> Option<(f64, f64)> {
-    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
-    for k in 0..3 {
-        if direction[k] == 0.0 {
-            if origin[k] < low[k] || origin[k] > high[k] {
-                return None;
-            }
-            continue;
-        }
-        let (a, b) = ((low[k] - origin[k]) / direction[k], (high[k] - origin[k]) / direction[k]);
-        enter = enter.max(a.min(b));
-        leave = leave.min(a.max(b));
-    }
-    (enter < leave).then_some((enter, leave))
+/// The larger of two numbers, the second if one is NaN: one instruction.
+#[inline(always)]
+fn larger64(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, the second if one is NaN.
+#[inline(always)]
+fn smaller64(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// `1 / d`, and a huge number instead of an infinite one, so that its product with 0 is 0.
+#[inline(always)]
+fn reciprocal(d: DVec3) -> DVec3 {
+    let one = |d: f64| if d.abs() > 1e-280 { 1.0 / d } else { 1e280f64.copysign(d) };
+    DVec3::new(one(d.x), one(d.y), one(d.z))
+}
+
+/// Parameters at which a line is inside a box, not before 0; the first is not below the second if
+/// it passes by. `inv` are the reciprocals of its direction.
+#[inline(always)]
+fn clip(origin: DVec3, inv: DVec3, [low, high]: [DVec3; 2]) -> (f64, f64) {
+    let (a, b) = ((low - origin) * inv, (high - origin) * inv);
+    let enter = larger64(
+        larger64(smaller64(a.x, b.x), smaller64(a.y, b.y)),
+        larger64(smaller64(a.z, b.z), 0.0),
+    );
+    let leave = smaller64(smaller64(larger64(a.x, b.x), larger64(a.y, b.y)), larger64(a.z, b.z));
+    (enter, leave)
 }

@@ -14,7 +14,7 @@
 use crate::map::HeightMap;
 
 use super::leaf::{self, Crossings, LeafHit, Span};
-use super::map_ray::MapRay;
+use super::map_ray::{MapRay, larger, smaller};
 use super::refine;
 
 /// One axis of a tile: forward cells and the stored cells they show.
@@ -31,6 +31,7 @@ pub(crate) struct TileAxis {
 }
 
 impl TileAxis {
+    #[inline(always)]
     fn new(map: &HeightMap, ray: &MapRay, axis: usize, f: i32) -> Self {
         let i = ray.unfolded(axis, f);
         let run = if axis == 0 { map.x().run(i) } else { map.y().run(i) };
@@ -80,11 +81,23 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// The tile that holds forward cell (fx, fy).
+    #[inline(always)]
     pub fn new(map: &HeightMap, ray: &MapRay, cell: [i32; 2]) -> Self {
-        let axes = [0, 1].map(|axis| TileAxis::new(map, ray, axis, cell[axis]));
-        let near = |axis: usize| ray.t_near(axis, axes[axis].from);
-        let far = |axis: usize| ray.t_far(axis, axes[axis].to - 1);
-        Self { axes, enter: near(0).max(near(1)).max(0.0), leave: far(0).min(far(1)).min(1.0) }
+        let x = TileAxis::new(map, ray, 0, cell[0]);
+        let y = TileAxis::new(map, ray, 1, cell[1]);
+        let enter = larger(larger(ray.t_near(0, x.from), ray.t_near(1, y.from)), 0.0);
+        let leave = smaller(smaller(ray.t_far(0, x.to - 1), ray.t_far(1, y.to - 1)), 1.0);
+        Self { axes: [x, y], enter, leave }
+    }
+
+    /// Whether no other tile is in the face's window.
+    #[inline(always)]
+    pub fn is_whole_window(&self, ray: &MapRay) -> bool {
+        let [x, y] = &self.axes;
+        x.from == ray.first_cell(0)
+            && y.from == ray.first_cell(1)
+            && x.to == ray.end_cell(0)
+            && y.to == ray.end_cell(1)
     }
 
     /// Corner heights of a forward cell in forward order `[h00, h10, h01, h11]`.

@@ -10,7 +10,7 @@ use super::approximate::{ApproximateHit, Segment};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
 use super::leaf::{Crossings, LeafHit};
-use super::map_ray::MapRay;
+use super::map_ray::{MapRay, larger, smaller};
 use super::method::Method;
 use super::options::FaceOptions;
 use super::placement::Placement;
@@ -91,7 +91,8 @@ impl Trace<'_> {
             let hit = first_approximate(self, ray, spawned, probe)?;
             return Some(approximate_crossing(self, ray, hit));
         }
-        let (met, rising) = (first_met::<L, P>(self, ray, probe)?, self.options.displacement.scale > 0.0);
+        let (met, rising) =
+            (first_met::<L, P>(self, ray, probe)?, self.options.displacement.scale > 0.0);
         let exact = &ray.exact;
         Some(match met {
             Met::Surface(LeafHit { s, cell, from_above }) => {
@@ -138,13 +139,17 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
     {
         return Some(wall);
     }
-    let start = enter.max(ray.cull[0]);
-    let stop = leave.min(ray.cull[1]);
+    let start = larger(enter, ray.cull[0]);
+    let stop = smaller(leave, ray.cull[1]);
     if start < stop {
-        let mut cell = [ray.cell_at(0, start), ray.cell_at(1, start)];
+        let mut cell = [ray.cell_of_start(0), ray.cell_of_start(1)];
+        let mut tile = Tile::new(heights, ray, cell);
+        if !tile.is_whole_window(ray) {
+            cell = [ray.cell_at(0, start), ray.cell_at(1, start)];
+            tile = Tile::new(heights, ray, cell);
+        }
         loop {
-            let tile = Tile::new(heights, ray, cell);
-            let part = [start.max(tile.enter), stop.min(tile.leave)];
+            let part = [larger(start, tile.enter), smaller(stop, tile.leave)];
             if let Some(hit) = walk_tile::<L, P>(face, ray, &tile, part, probe) {
                 return Some(Met::Surface(hit));
             }
@@ -168,6 +173,7 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
             {
                 return Some(wall);
             }
+            tile = Tile::new(heights, ray, cell);
         }
     }
     if face.options.closed && leave < 1.0 { exit_wall(face, ray, leave) } else { None }

@@ -165,8 +165,11 @@ impl Lanes for Avx2 {
             if mirror.y {
                 codes = _mm256_permute4x64_epi64::<0b00_01_10_11>(codes);
             }
-            let halves = [_mm256_castsi256_si128(codes), _mm256_extracti128_si256::<1>(codes)];
-            Self(halves.map(|half| _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(half))))
+            let (low, high) = (_mm256_castsi256_si128(codes), _mm256_extracti128_si256::<1>(codes));
+            Self([
+                _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(low)),
+                _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(high)),
+            ])
         }
     }
 
@@ -177,8 +180,10 @@ impl Lanes for Avx2 {
             let codes = _mm_loadu_si128(codes.as_ptr().cast::<__m128i>());
             let order = _mm_loadu_si128(BYTES[mirror.index()].as_ptr().cast::<__m128i>());
             let codes = _mm_shuffle_epi8(codes, order);
-            let halves = [codes, _mm_srli_si128::<8>(codes)];
-            Self(halves.map(|half| _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(half))))
+            Self([
+                _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(codes)),
+                _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_srli_si128::<8>(codes))),
+            ])
         }
     }
 
@@ -186,22 +191,13 @@ impl Lanes for Avx2 {
     fn corners_u16(rows: [&[u16; 8]; 5], backward: bool) -> [Self; 4] {
         // SAFETY: see above; a row is 16 bytes, half a table 32.
         unsafe {
-            let row = |k: usize| _mm_loadu_si128(rows[k].as_ptr().cast::<__m128i>());
-            let pair = |k: usize| {
-                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(row(k)), row(k + 1))
-            };
-            let order = |shift: usize| {
-                let bytes = &WIDEN[usize::from(backward)][shift];
-                _mm256_loadu_si256(bytes.as_ptr().cast::<__m256i>())
-            };
-            let pairs = [pair(0), pair(1), pair(2), pair(3)];
-            let (low, high) = (order(0), order(1));
-            let corner = |k: usize, order: __m256i| {
-                Self([pairs[k], pairs[k + 2]].map(|v| {
-                    _mm256_cvtepi32_ps(_mm256_shuffle_epi8(v, order))
-                }))
-            };
-            [corner(0, low), corner(0, high), corner(1, low), corner(1, high)]
+            let [r0, r1, r2, r3, r4] = rows;
+            let [low, high] = &WIDEN[usize::from(backward)];
+            let low = _mm256_loadu_si256(low.as_ptr().cast::<__m256i>());
+            let high = _mm256_loadu_si256(high.as_ptr().cast::<__m256i>());
+            let near = [words(r0, r1), words(r2, r3)];
+            let far = [words(r1, r2), words(r3, r4)];
+            [widened(near, low), widened(near, high), widened(far, low), widened(far, high)]
         }
     }
 
@@ -209,15 +205,75 @@ impl Lanes for Avx2 {
     fn corners_f32(rows: [&[f32; 8]; 5], backward: bool) -> [Self; 4] {
         // SAFETY: see above; four floats from element 0 or 1 of eight.
         unsafe {
-            let part = |k: usize, shift: usize| _mm_loadu_ps(rows[k][shift..].as_ptr());
-            let pair = |k: usize, shift: usize| {
-                let v = _mm256_castps128_ps256(part(k, shift));
-                let v = _mm256_insertf128_ps::<1>(v, part(k + 1, shift));
-                if backward { _mm256_permute_ps::<0b00_01_10_11>(v) } else { v }
-            };
-            let near = usize::from(backward);
-            [(0, near), (0, 1 - near), (1, near), (1, 1 - near)]
-                .map(|(k, shift)| Self([pair(k, shift), pair(k + 2, shift)]))
+            let [r0, r1, r2, r3, r4] = rows;
+            if backward {
+                [
+                    turned([floats::<1>(r0, r1), floats::<1>(r2, r3)]),
+                    turned([floats::<0>(r0, r1), floats::<0>(r2, r3)]),
+                    turned([floats::<1>(r1, r2), floats::<1>(r3, r4)]),
+                    turned([floats::<0>(r1, r2), floats::<0>(r3, r4)]),
+                ]
+            } else {
+                [
+                    Self([floats::<0>(r0, r1), floats::<0>(r2, r3)]),
+                    Self([floats::<1>(r0, r1), floats::<1>(r2, r3)]),
+                    Self([floats::<0>(r1, r2), floats::<0>(r3, r4)]),
+                    Self([floats::<1>(r1, r2), floats::<1>(r3, r4)]),
+                ]
+            }
         }
+    }
+}
+
+/// Two rows of eight words, side by side.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn words(a: &[u16; 8], b: &[u16; 8]) -> __m256i {
+    // SAFETY: the caller's word; a row is 16 bytes.
+    unsafe {
+        let v = _mm256_castsi128_si256(_mm_loadu_si128(a.as_ptr().cast::<__m128i>()));
+        _mm256_inserti128_si256::<1>(v, _mm_loadu_si128(b.as_ptr().cast::<__m128i>()))
+    }
+}
+
+/// Words widened to floats by an order of bytes.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn widened(words: [__m256i; 2], order: __m256i) -> Avx2 {
+    // SAFETY: the caller's word.
+    unsafe {
+        Avx2([
+            _mm256_cvtepi32_ps(_mm256_shuffle_epi8(words[0], order)),
+            _mm256_cvtepi32_ps(_mm256_shuffle_epi8(words[1], order)),
+        ])
+    }
+}
+
+/// Elements `SHIFT..SHIFT + 4` of two rows, side by side; `SHIFT` at most 4.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn floats<const SHIFT: usize>(a: &[f32; 8], b: &[f32; 8]) -> __m256 {
+    // SAFETY: the caller's word; four floats from element SHIFT of eight.
+    unsafe {
+        let v = _mm256_castps128_ps256(_mm_loadu_ps(a.as_ptr().add(SHIFT)));
+        _mm256_insertf128_ps::<1>(v, _mm_loadu_ps(b.as_ptr().add(SHIFT)))
+    }
+}
+
+/// Groups of four lanes turned around.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn turned(v: [__m256; 2]) -> Avx2 {
+    // SAFETY: the caller's word.
+    unsafe {
+        Avx2([_mm256_permute_ps::<0b00_01_10_11>(v[0]), _mm256_permute_ps::<0b00_01_10_11>(v[1])])
     }
 }

@@ -2,13 +2,13 @@
 
 use std::arch::x86_64::{
     __m128i, __m256i, __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadu_ps,
-    _mm_loadu_si128, _mm_shuffle_epi8, _mm256_loadu_si256, _mm256_permutexvar_epi16,
-    _mm512_add_ps, _mm512_castps_si512, _mm512_castps128_ps512, _mm512_castsi128_si512,
-    _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32,
-    _mm512_cvtepu16_epi32, _mm512_insertf32x4, _mm512_inserti32x4, _mm512_loadu_ps,
-    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
-    _mm512_permute_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_epi8, _mm512_storeu_ps,
-    _mm512_sub_ps, _mm512_ternarylogic_epi32,
+    _mm_loadu_si128, _mm_shuffle_epi8, _mm256_loadu_si256, _mm256_permutexvar_epi16, _mm512_add_ps,
+    _mm512_castps_si512, _mm512_castps128_ps512, _mm512_castsi128_si512, _mm512_castsi512_ps,
+    _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32, _mm512_cvtepu16_epi32,
+    _mm512_insertf32x4, _mm512_inserti32x4, _mm512_loadu_ps, _mm512_loadu_si512,
+    _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_epi8, _mm512_storeu_ps, _mm512_sub_ps,
+    _mm512_ternarylogic_epi32,
 };
 
 use super::orders::{BYTES, WIDEN, WORDS};
@@ -155,21 +155,17 @@ impl Lanes for Avx512 {
     fn corners_u16(rows: [&[u16; 8]; 5], backward: bool) -> [Self; 4] {
         // SAFETY: see above; a row is 16 bytes, a table 64.
         unsafe {
-            let row = |k: usize| _mm_loadu_si128(rows[k].as_ptr().cast::<__m128i>());
-            let square = |k: usize| {
-                let v = _mm512_castsi128_si512(row(k));
-                let v = _mm512_inserti32x4::<1>(v, row(k + 1));
-                let v = _mm512_inserti32x4::<2>(v, row(k + 2));
-                _mm512_inserti32x4::<3>(v, row(k + 3))
-            };
-            let order = |shift: usize| {
-                let bytes = &WIDEN[usize::from(backward)][shift];
-                _mm512_loadu_si512(bytes.as_ptr().cast::<__m512i>())
-            };
-            let (near, far) = (square(0), square(1));
-            let (low, high) = (order(0), order(1));
-            [(near, low), (near, high), (far, low), (far, high)]
-                .map(|(v, order)| Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(v, order))))
+            let [r0, r1, r2, r3, r4] = rows;
+            let (near, far) = (words([r0, r1, r2, r3]), words([r1, r2, r3, r4]));
+            let [low, high] = &WIDEN[usize::from(backward)];
+            let low = _mm512_loadu_si512(low.as_ptr().cast::<__m512i>());
+            let high = _mm512_loadu_si512(high.as_ptr().cast::<__m512i>());
+            [
+                Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(near, low))),
+                Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(near, high))),
+                Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(far, low))),
+                Self(_mm512_cvtepi32_ps(_mm512_shuffle_epi8(far, high))),
+            ]
         }
     }
 
@@ -177,19 +173,53 @@ impl Lanes for Avx512 {
     fn corners_f32(rows: [&[f32; 8]; 5], backward: bool) -> [Self; 4] {
         // SAFETY: see above; four floats from element 0 or 1 of eight.
         unsafe {
-            let part = |k: usize, shift: usize| _mm_loadu_ps(rows[k][shift..].as_ptr());
-            let square = |k: usize, shift: usize| {
-                let v = _mm512_castps128_ps512(part(k, shift));
-                let v = _mm512_insertf32x4::<1>(v, part(k + 1, shift));
-                let v = _mm512_insertf32x4::<2>(v, part(k + 2, shift));
-                _mm512_insertf32x4::<3>(v, part(k + 3, shift))
-            };
-            let [a, b, c, d] = [square(0, 0), square(0, 1), square(1, 0), square(1, 1)];
+            let [r0, r1, r2, r3, r4] = rows;
+            let (near, far) = ([r0, r1, r2, r3], [r1, r2, r3, r4]);
             if backward {
-                [b, a, d, c].map(|v| Self(_mm512_permute_ps::<0b00_01_10_11>(v)))
+                [
+                    Self(_mm512_permute_ps::<0b00_01_10_11>(floats::<1>(near))),
+                    Self(_mm512_permute_ps::<0b00_01_10_11>(floats::<0>(near))),
+                    Self(_mm512_permute_ps::<0b00_01_10_11>(floats::<1>(far))),
+                    Self(_mm512_permute_ps::<0b00_01_10_11>(floats::<0>(far))),
+                ]
             } else {
-                [a, b, c, d].map(Self)
+                [
+                    Self(floats::<0>(near)),
+                    Self(floats::<1>(near)),
+                    Self(floats::<0>(far)),
+                    Self(floats::<1>(far)),
+                ]
             }
         }
+    }
+}
+
+/// Four rows of eight words, side by side.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn words(rows: [&[u16; 8]; 4]) -> __m512i {
+    // SAFETY: the caller's word; a row is 16 bytes.
+    unsafe {
+        let v = _mm512_castsi128_si512(_mm_loadu_si128(rows[0].as_ptr().cast::<__m128i>()));
+        let v = _mm512_inserti32x4::<1>(v, _mm_loadu_si128(rows[1].as_ptr().cast::<__m128i>()));
+        let v = _mm512_inserti32x4::<2>(v, _mm_loadu_si128(rows[2].as_ptr().cast::<__m128i>()));
+        _mm512_inserti32x4::<3>(v, _mm_loadu_si128(rows[3].as_ptr().cast::<__m128i>()))
+    }
+}
+
+/// Elements `SHIFT..SHIFT + 4` of four rows, side by side; `SHIFT` at most 4.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn floats<const SHIFT: usize>(rows: [&[f32; 8]; 4]) -> __m512 {
+    // SAFETY: the caller's word; four floats from element SHIFT of eight.
+    unsafe {
+        let v = _mm512_castps128_ps512(_mm_loadu_ps(rows[0].as_ptr().add(SHIFT)));
+        let v = _mm512_insertf32x4::<1>(v, _mm_loadu_ps(rows[1].as_ptr().add(SHIFT)));
+        let v = _mm512_insertf32x4::<2>(v, _mm_loadu_ps(rows[2].as_ptr().add(SHIFT)));
+        _mm512_insertf32x4::<3>(v, _mm_loadu_ps(rows[3].as_ptr().add(SHIFT)))
     }
 }

@@ -5,12 +5,10 @@ use super::{Kernel, Lanes, Mirror, SimdLevel, WIDTH, run};
 /// Runs the same checks at whatever level it is entered.
 struct Checks;
 
-const A: [f32; WIDTH] = [
-    0.0, -0.0, 1.0, -1.0, 3.5, 1e30, -1e30, 1e-40, 7.0, 65535.0, 0.1, -0.1, 2.0, 4.0, 8.0, 16.0,
-];
-const B: [f32; WIDTH] = [
-    -0.0, 0.0, 1.0, 2.0, -3.5, 1e-30, 1e30, -1e-40, 6.9, 65535.0, 0.2, -0.2, 2.5, 3.5, 8.5, -16.0,
-];
+const A: [f32; WIDTH] =
+    [0.0, -0.0, 1.0, -1.0, 3.5, 1e30, -1e30, 1e-40, 7.0, 65535.0, 0.1, -0.1, 2.0, 4.0, 8.0, 16.0];
+const B: [f32; WIDTH] =
+    [-0.0, 0.0, 1.0, 2.0, -3.5, 1e-30, 1e30, -1e-40, 6.9, 65535.0, 0.2, -0.2, 2.5, 3.5, 8.5, -16.0];
 
 fn bits(v: [f32; WIDTH]) -> [u32; WIDTH] {
     v.map(f32::to_bits)

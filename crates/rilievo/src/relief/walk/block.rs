@@ -4,13 +4,12 @@
 //! out which cells have a root; the root itself is computed by the leaf's own function for the cell
 //! met first, so that one division and one square root are enough.
 
-use crate::map::{HeightMap, Samples};
-use crate::probe::Probe;
+use crate::map::{Axis, HeightMap, Samples};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf::{Crossings, Gap, LeafHit};
 use super::super::map_ray::MapRay;
-use super::super::tile::Tile;
+use super::super::tile::{Tile, TileAxis};
 
 /// Column and row of each lane.
 static PLACES: [[f32; WIDTH]; 2] = [
@@ -19,21 +18,19 @@ static PLACES: [[f32; WIDTH]; 2] = [
 ];
 
 /// A ray in a tile, ready to be tested against blocks.
-pub(super) struct Blocks<'a, L: Lanes> {
+pub(super) struct Blocks<'a> {
     map: &'a HeightMap,
     ray: &'a MapRay,
     tile: &'a Tile,
-    o: [L; 2],
-    d: [L; 2],
-    inv: [L; 2],
-    lo: [L; 2],
-    hi: [L; 2],
 }
 
 /// Sixteen roots to be.
 struct Gaps<L: Lanes> {
-    span: [L; 2],
-    b: [L; 3],
+    t0: L,
+    t1: L,
+    b0: L,
+    b1: L,
+    b2: L,
     candidates: u16,
 }
 
@@ -46,42 +43,39 @@ struct Ends<L: Lanes> {
     f: L,
 }
 
-impl<'a, L: Lanes> Blocks<'a, L> {
+impl<'a> Blocks<'a> {
     #[inline(always)]
     pub fn new(map: &'a HeightMap, ray: &'a MapRay, tile: &'a Tile) -> Self {
-        Self {
-            map,
-            ray,
-            tile,
-            o: ray.o.map(L::splat),
-            d: ray.d.map(L::splat),
-            inv: ray.inv.map(L::splat),
-            lo: ray.lo.map(L::splat),
-            hi: ray.hi.map(L::splat),
-        }
+        Self { map, ray, tile }
     }
 
     /// The first admitted crossing in the block with its corner at a mirrored cell.
     #[inline(always)]
-    pub fn first_hit<P: Probe>(
+    pub fn first_hit<L: Lanes>(&self, corner: [i32; 2], admit: Crossings) -> Option<LeafHit> {
+        let [ax, ay] = &self.tile.axes;
+        let first = [corner[0] - ax.mirrored_origin(), corner[1] - ay.mirrored_origin()];
+        let gaps = self.gaps::<L>(first, self.corners(corner));
+        if gaps.candidates == 0 { None } else { self.first_of(&gaps, first, admit) }
+    }
+
+    /// The first admitted crossing among the candidates of a block.
+    #[inline(always)]
+    fn first_of<L: Lanes>(
         &self,
-        corner: [i32; 2],
+        gaps: &Gaps<L>,
+        first: [i32; 2],
         admit: Crossings,
-        probe: &mut P,
     ) -> Option<LeafHit> {
-        let axes = &self.tile.axes;
-        let first = [0, 1].map(|axis| corner[axis] - axes[axis].mirrored_origin());
-        let gaps = self.gaps(first, self.corners(corner));
-        probe.cell();
+        let (t0, t1) = (gaps.t0.store(), gaps.t1.store());
+        let (b0, b1, b2) = (gaps.b0.store(), gaps.b1.store(), gaps.b2.store());
         let mut candidates = gaps.candidates;
         while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize;
+            let lane = candidates.trailing_zeros() as usize % WIDTH;
             candidates &= candidates - 1;
-            let [t0, t1] = gaps.span.map(|t| t.store()[lane]);
-            let [b0, b1, b2] = gaps.b.map(|b| b.store()[lane]);
+            let gap = Gap { b0: b0[lane], b1: b1[lane], b2: b2[lane] };
             let cell = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
-            if let Some(hit) = (Gap { b0, b1, b2 }).first_hit([t0, t1], cell, admit)
-                && self.tile.confirms(self.map, self.ray, (t0, &hit), admit)
+            if let Some(hit) = gap.first_hit([t0[lane], t1[lane]], cell, admit)
+                && self.tile.confirms(self.map, self.ray, (t0[lane], &hit), admit)
             {
                 return Some(hit);
             }
@@ -91,24 +85,21 @@ impl<'a, L: Lanes> Blocks<'a, L> {
 
     /// Gaps over the cells of the block that begins at a forward cell.
     #[inline(always)]
-    fn gaps(&self, first: [i32; 2], corners: [L; 4]) -> Gaps<L> {
+    fn gaps<L: Lanes>(&self, first: [i32; 2], corners: [L; 4]) -> Gaps<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let x = self.ends(0, first[0]);
-        let y = self.ends(1, first[1]);
+        let x: Ends<L> = self.ends(0, first[0]);
+        let y: Ends<L> = self.ends(1, first[1]);
         let t0 = x.t_near.larger(y.t_near).larger(zero);
         let t1 = x.t_far.smaller(y.t_far).smaller(one);
-        let [cull_in, cull_out] = self.ray.cull.map(L::splat);
+        let [cull_in, cull_out] = self.ray.cull;
         let mut active = L::and(
             t0.below(t1),
-            L::and(cull_in.at_most(t1), t0.at_most(cull_out)),
+            L::and(L::splat(cull_in).at_most(t1), t0.at_most(L::splat(cull_out))),
         );
-        let axes = &self.tile.axes;
-        if (0..2).any(|k| first[k] < axes[k].from || first[k] + 4 > axes[k].to) {
-            for (ends, axis) in [(&x, &axes[0]), (&y, &axes[1])] {
-                let [from, to] = [axis.from, axis.to].map(|line| L::splat(line as f32));
-                let inside = L::and(from.at_most(ends.f), ends.f.below(to));
-                active = L::and(active, inside);
-            }
+        let [ax, ay] = &self.tile.axes;
+        if first[0] < ax.from || first[1] < ay.from || first[0] + 4 > ax.to || first[1] + 4 > ay.to
+        {
+            active = L::and(active, L::and(inside(&x, ax), inside(&y, ay)));
         }
         let (xa, xb) = self.locals(0, &x, t0, t1);
         let (ya, yb) = self.locals(1, &y, t0, t1);
@@ -122,44 +113,51 @@ impl<'a, L: Lanes> Blocks<'a, L> {
         let b1 = za.plus(zb).minus(crossed).times(L::splat(0.5));
         let b2 = zb.minus(lerp(near_b, far_b, xb));
         // Seen from the side of the start.
-        let [start, middle, end] = [b0, b1, b2].map(|b| b.turned_by(b0));
+        let (start, middle, end) = (b0.turned_by(b0), b1.turned_by(b0), b2.turned_by(b0));
         let dips = L::and(middle.below(zero), zero.at_most(b1.times(b1).minus(b0.times(b2))));
         let root = L::or(L::or(start.at_most(zero), end.at_most(zero)), dips);
-        Gaps { span: [t0, t1], b: [b0, b1, b2], candidates: L::bits(L::and(active, root)) }
+        Gaps { t0, t1, b0, b1, b2, candidates: L::bits(L::and(active, root)) }
     }
 
     /// Lines of the cells along one axis, cut to the window, and their parameters.
     #[inline(always)]
-    fn ends(&self, axis: usize, first: i32) -> Ends<L> {
+    fn ends<L: Lanes>(&self, axis: usize, first: i32) -> Ends<L> {
+        let (o, inv) = (L::splat(self.ray.o[axis]), L::splat(self.ray.inv[axis]));
         let f = L::splat(first as f32).plus(L::load(&PLACES[axis]));
-        let near_line = f.larger(self.lo[axis]);
-        let far_line = f.plus(L::splat(1.0)).smaller(self.hi[axis]);
-        let t = |line: L| line.minus(self.o[axis]).times(self.inv[axis]);
-        Ends { t_near: t(near_line), t_far: t(far_line), near_line, far_line, f }
+        let near_line = f.larger(L::splat(self.ray.lo[axis]));
+        let far_line = f.plus(L::splat(1.0)).smaller(L::splat(self.ray.hi[axis]));
+        Ends {
+            t_near: near_line.minus(o).times(inv),
+            t_far: far_line.minus(o).times(inv),
+            near_line,
+            far_line,
+            f,
+        }
     }
 
     /// Local coordinates where the ray enters and leaves.
     #[inline(always)]
-    fn locals(&self, axis: usize, ends: &Ends<L>, t0: L, t1: L) -> (L, L) {
+    fn locals<L: Lanes>(&self, axis: usize, ends: &Ends<L>, t0: L, t1: L) -> (L, L) {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let start = ends.f.minus(self.o[axis]);
-        let local = |s: L| s.times(self.d[axis]).minus(start).larger(zero).smaller(one);
-        let set_near = t0.at_most(ends.t_near);
-        let set_far = ends.t_far.at_most(t1);
+        let d = L::splat(self.ray.d[axis]);
+        let start = ends.f.minus(L::splat(self.ray.o[axis]));
+        let enter = t0.times(d).minus(start).larger(zero).smaller(one);
+        let leave = t1.times(d).minus(start).larger(zero).smaller(one);
         (
-            ends.near_line.minus(ends.f).where_else(set_near, local(t0)),
-            ends.far_line.minus(ends.f).where_else(set_far, local(t1)),
+            ends.near_line.minus(ends.f).where_else(t0.at_most(ends.t_near), enter),
+            ends.far_line.minus(ends.f).where_else(ends.t_far.at_most(t1), leave),
         )
     }
 
     /// Corner heights of the block with its corner at a mirrored cell.
     #[inline(always)]
-    fn corners(&self, corner: [i32; 2]) -> [L; 4] {
+    fn corners<L: Lanes>(&self, corner: [i32; 2]) -> [L; 4] {
         let [ax, ay] = &self.tile.axes;
+        let mirror = Mirror { x: ax.down, y: ay.down };
         // The stored cell of the block with the smallest indices.
-        let cell = [(ax, corner[0]), (ay, corner[1])]
-            .map(|(axis, g)| (if axis.mirror() < 0 { !(g + 3) } else { g }) as u32);
-        let mirror = Mirror { x: ax.mirror() < 0, y: ay.mirror() < 0 };
+        let x = if mirror.x { !(corner[0] + 3) } else { corner[0] };
+        let y = if mirror.y { !(corner[1] + 3) } else { corner[1] };
+        let cell = [x as u32, y as u32];
         match self.map.samples() {
             Samples::U16(samples) => {
                 let mut spare = [[0; 8]; 5];
@@ -173,6 +171,12 @@ impl<'a, L: Lanes> Blocks<'a, L> {
             }
         }
     }
+}
+
+/// The cells that belong to the tile.
+#[inline(always)]
+fn inside<L: Lanes>(ends: &Ends<L>, axis: &TileAxis) -> L::Mask {
+    L::and(L::splat(axis.from as f32).at_most(ends.f), ends.f.below(L::splat(axis.to as f32)))
 }
 
 /// Linear interpolation as `leaf::lerp`.
@@ -202,11 +206,19 @@ fn block_rows<'a, T: Copy>(
     let y = cell[1] as i32 + map.y().first_cell();
     if x >= 0 && y >= 0 && x + 5 <= width && y + 5 <= height {
         let at = y as usize * width as usize + x as usize;
-        let row = |k: usize| samples[at + k * width as usize..].first_chunk::<8>();
-        if let (Some(a), Some(b), Some(c), Some(d), Some(e)) =
-            (row(0), row(1), row(2), row(3), row(4))
-        {
-            return [a, b, c, d, e];
+        let width = width as usize;
+        // The last row reaches farthest: one check serves all.
+        if let Some(part) = samples.get(at..at + 4 * width + 8) {
+            let rows = [
+                part.first_chunk(),
+                part[width..].first_chunk(),
+                part[2 * width..].first_chunk(),
+                part[3 * width..].first_chunk(),
+                part[4 * width..].first_chunk(),
+            ];
+            if let [Some(a), Some(b), Some(c), Some(d), Some(e)] = rows {
+                return [a, b, c, d, e];
+            }
         }
     }
     gather_rows(map, samples, cell, spare);
@@ -218,7 +230,7 @@ fn block_rows<'a, T: Copy>(
 #[inline(never)]
 fn gather_rows<T: Copy>(map: &HeightMap, samples: &[T], cell: [u32; 2], rows: &mut [[T; 8]; 5]) {
     // Samples at the five lines of the block; lines beyond the last cell repeat its far one.
-    let lines = |axis: &crate::map::Axis, first: u32| {
+    let lines = |axis: &Axis, first: u32| {
         let last = axis.cells() - 1;
         std::array::from_fn::<_, 5, _>(|k| {
             let c = first + k as u32;

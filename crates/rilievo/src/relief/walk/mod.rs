@@ -57,13 +57,15 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
     admit: Crossings,
     probe: &mut P,
 ) -> Option<LeafHit> {
-    let nodes = Nodes::<L>::new(pyramid, ray, tile);
-    let blocks = Blocks::<L>::new(map, ray, tile);
+    let nodes = Nodes::new(pyramid, ray, tile);
+    let blocks = Blocks::new(map, ray, tile);
     let top = pyramid.levels() - 1;
-    let start = nodes.start(ray, tile);
+    let start = nodes.start(tile);
     // The next node to test when nothing is left to do, and the last one.
-    let (mut next, last) = start.map_or((top, top), |start| (0, start.last_level.min(top)));
-    let home = start.map_or([0, 1].map(|axis| tile.axes[axis].mirror()), |start| start.cell);
+    let (mut next, last, home) = match start {
+        Some(start) => (0, start.last_level.min(top), start.cell),
+        None => (top, top, [tile.axes[0].mirror(), tile.axes[1].mirror()]),
+    };
     let [mut x, mut y] = home;
     let (mut todo, mut high) = (0u64, 0u64);
     loop {
@@ -73,12 +75,13 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
             let (level, lane) = (bit / 16, (bit % 16) as i32);
             [x, y] = child([x, y], level, lane);
             if level == 0 {
-                if let Some(hit) = blocks.first_hit([x, y], admit, probe) {
+                probe.cell();
+                if let Some(hit) = blocks.first_hit::<L>([x, y], admit) {
                     return Some(hit);
                 }
             } else {
                 probe.node();
-                todo |= u64::from(nodes.met(level - 1, [x, y])) << (16 * (level - 1));
+                todo |= u64::from(nodes.met::<L>(level - 1, [x, y])) << (16 * (level - 1));
             }
         } else if high != 0 {
             let bit = high.trailing_zeros();
@@ -86,11 +89,11 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
             let (level, lane) = (bit / 16 + LOW_LEVELS, (bit % 16) as i32);
             [x, y] = child([x, y], level, lane);
             probe.node();
-            push((&mut todo, &mut high), level - 1, nodes.met(level - 1, [x, y]));
+            push((&mut todo, &mut high), level - 1, nodes.met::<L>(level - 1, [x, y]));
         } else if next <= last {
             [x, y] = home;
             probe.node();
-            let mut mask = nodes.met(next, home);
+            let mut mask = nodes.met::<L>(next, home);
             if next > 0 && start.is_some() {
                 mask &= !1u16 << lane_of(home, next);
             }

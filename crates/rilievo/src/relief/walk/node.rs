@@ -1,10 +1,10 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
-use crate::map::{Code, Pyramid};
+use crate::map::Pyramid;
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
-use super::super::map_ray::MapRay;
+use super::super::map_ray::{MapRay, larger, smaller};
 use super::super::tile::Tile;
 
 /// Offsets of the lines of a node's blocks from its corner, cells: near and far lines in x and y.
@@ -16,10 +16,10 @@ struct Lines {
 /// Levels that a map of 2^24 cells a side has.
 const LEVELS: usize = 12;
 
-/// The lines of every level.
-static LINES: [Lines; LEVELS] = {
+/// The lines of every level; filled up to a power of two, so that an index needs no check.
+static LINES: [Lines; 16] = {
     const NONE: Lines = Lines { near: [[0.0; WIDTH]; 2], far: [[0.0; WIDTH]; 2] };
-    let mut table = [NONE; LEVELS];
+    let mut table = [NONE; 16];
     let mut k = 0;
     while k < LEVELS * WIDTH {
         let (level, lane) = (k / WIDTH, k % WIDTH);
@@ -47,100 +47,94 @@ pub(super) struct Start {
 }
 
 /// A ray in a tile, ready to be tested against nodes.
-pub(super) struct Nodes<'a, L: Lanes> {
+pub(super) struct Nodes<'a> {
     pyramid: &'a Pyramid,
-    code: Code,
-    o: [L; 2],
-    inv: [L; 2],
-    dz: L,
+    ray: &'a MapRay,
     /// Height at the start, less and plus the slack of the cull.
-    oz: [L; 2],
+    oz: [f32; 2],
     /// The part of the ray worth walking in this tile.
-    part: [L; 2],
-    sinks: L::Mask,
+    part: [f32; 2],
     /// Mirrored index of the tile's forward line 0, and the mirror itself, 0 or -1.
     origin: [i32; 2],
     turn: [i32; 2],
     mirror: Mirror,
-    /// Whether the ray may be below the surface.
-    both: bool,
-    enter: f32,
-    leave: f32,
 }
 
-impl<'a, L: Lanes> Nodes<'a, L> {
+impl<'a> Nodes<'a> {
     #[inline(always)]
-    pub fn new(pyramid: &'a Pyramid, ray: &MapRay, tile: &Tile) -> Self {
+    pub fn new(pyramid: &'a Pyramid, ray: &'a MapRay, tile: &Tile) -> Self {
         let slack = 2.0 * leaf::slack(ray.size);
-        let (enter, leave) = (tile.enter.max(ray.cull[0]), tile.leave.min(ray.cull[1]));
-        let turn = [tile.axes[0].mirror(), tile.axes[1].mirror()];
+        let [x, y] = &tile.axes;
         Self {
             pyramid,
-            code: pyramid.code(),
-            o: ray.o.map(L::splat),
-            inv: ray.inv.map(L::splat),
-            dz: L::splat(ray.dz),
-            oz: [L::splat(ray.oz - slack), L::splat(ray.oz + slack)],
-            part: [L::splat(enter), L::splat(leave)],
-            sinks: L::all(ray.dz < 0.0),
-            origin: [tile.axes[0].mirrored_origin(), tile.axes[1].mirrored_origin()],
-            turn,
-            mirror: Mirror { x: turn[0] != 0, y: turn[1] != 0 },
-            both: !ray.above,
-            enter,
-            leave,
+            ray,
+            oz: [ray.oz - slack, ray.oz + slack],
+            part: [larger(tile.enter, ray.cull[0]), smaller(tile.leave, ray.cull[1])],
+            origin: [x.mirrored_origin(), y.mirrored_origin()],
+            turn: [x.mirror(), y.mirror()],
+            mirror: Mirror { x: x.down, y: y.down },
         }
     }
 
     /// The start of a climb, if the ray starts in this tile and in the height range.
     #[inline(always)]
-    pub fn start(&self, ray: &MapRay, tile: &Tile) -> Option<Start> {
-        if self.enter > 0.0 {
+    pub fn start(&self, tile: &Tile) -> Option<Start> {
+        let [enter, leave] = self.part;
+        if enter > 0.0 {
             return None;
         }
-        let limit = |axis: usize, f: i32| f.clamp(tile.axes[axis].from, tile.axes[axis].to - 1);
-        let cell = [0, 1].map(|axis| limit(axis, ray.cell_of_start(axis)));
-        // One cell more than the rounded end is enough: see `MapRay::cell_at`.
-        let end = [0, 1].map(|axis| {
-            limit(axis, (ray.o[axis] + self.leave * ray.d[axis]) as i32 + 1)
-        });
-        let differing = (cell[0] + self.origin[0]) ^ (end[0] + self.origin[0])
-            | (cell[1] + self.origin[1]) ^ (end[1] + self.origin[1]);
+        let [(x, x_end), (y, y_end)] = [self.ends(0, leave, tile), self.ends(1, leave, tile)];
         // Level l holds both if they agree above its 4 + 2 l low bits.
-        let bits = 32 - differing.leading_zeros();
-        let last_level = bits.saturating_sub(3) / 2;
-        Some(Start { cell: [0, 1].map(|axis| cell[axis] + self.origin[axis]), last_level })
+        let bits = 32 - ((x ^ x_end) | (y ^ y_end)).leading_zeros();
+        Some(Start { cell: [x, y], last_level: bits.saturating_sub(3) / 2 })
+    }
+
+    /// Mirrored cells that hold the ray's start and its end, or lie beyond it.
+    #[inline(always)]
+    fn ends(&self, axis: usize, leave: f32, tile: &Tile) -> (i32, i32) {
+        let (from, last) = (tile.axes[axis].from, tile.axes[axis].to - 1);
+        let start = self.ray.cell_of_start(axis).max(from).min(last);
+        // Rounding stays below one cell: coordinates are below 2^23.
+        let end = (self.ray.o[axis] + leave * self.ray.d[axis]) as i32 + 1;
+        (start + self.origin[axis], end.max(from).min(last) + self.origin[axis])
     }
 
     /// The children that the ray may meet of the node of `level` that holds a mirrored cell.
     #[inline(always)]
-    pub fn met(&self, level: u32, cell: [i32; 2]) -> u16 {
+    pub fn met<L: Lanes>(&self, level: u32, [x, y]: [i32; 2]) -> u16 {
         let shift = 2 * level + 4;
-        let node = [0, 1].map(|axis| cell[axis] >> shift);
-        let base = [0, 1].map(|axis| {
-            L::splat(((node[axis] << shift) - self.origin[axis]) as f32)
-        });
-        let lines = &LINES[level as usize % LEVELS];
-        let t = |axis: usize, offsets: &[f32; WIDTH]| {
-            base[axis].plus(L::load(offsets)).minus(self.o[axis]).times(self.inv[axis])
-        };
+        let (x, y) = (x >> shift, y >> shift);
+        let lines = &LINES[level as usize % LINES.len()];
+        let (x_near, x_far) = self.times::<L>(0, x << shift, lines);
+        let (y_near, y_far) = self.times::<L>(1, y << shift, lines);
         let [enter, leave] = self.part;
-        let near = t(0, &lines.near[0]).larger(enter).larger(t(1, &lines.near[1]));
-        let far = t(0, &lines.far[0]).smaller(leave).smaller(t(1, &lines.far[1]));
+        let near = x_near.larger(L::splat(enter)).larger(y_near);
+        let far = x_far.smaller(L::splat(leave)).smaller(y_far);
 
         let at = self.pyramid.level(level);
-        let stored = [0, 1].map(|axis| (node[axis] ^ self.turn[axis]) as u32);
-        let index = (stored[1] * at.nodes[0] + stored[0]) as usize;
-        let value = |codes: &[u16; WIDTH]| {
-            let codes = L::from_u16(codes, self.mirror);
-            L::splat(self.code.base).plus(codes.times(L::splat(self.code.step)))
-        };
-        let low = far.where_else(self.sinks, near).times(self.dz).plus(self.oz[0]);
-        let mut met = L::and(near.below(far), low.at_most(value(&at.max[index])));
-        if self.both {
-            let high = near.where_else(self.sinks, far).times(self.dz).plus(self.oz[1]);
-            met = L::and(met, value(&at.min[index]).at_most(high));
+        let index = ((y ^ self.turn[1]) as u32 * at.nodes[0] + (x ^ self.turn[0]) as u32) as usize;
+        let code = self.pyramid.code();
+        let (base, step) = (L::splat(code.base), L::splat(code.step));
+        let (dz, sinks) = (L::splat(self.ray.dz), L::all(self.ray.dz < 0.0));
+        let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
+        let max = base.plus(L::from_u16(&at.max[index], self.mirror).times(step));
+        let mut met = L::and(near.below(far), lowest.at_most(max));
+        if !self.ray.above {
+            let highest = near.where_else(sinks, far).times(dz).plus(L::splat(self.oz[1]));
+            let min = base.plus(L::from_u16(&at.min[index], self.mirror).times(step));
+            met = L::and(met, min.at_most(highest));
         }
         L::bits(met)
+    }
+
+    /// Parameters of the near and far lines of a node's children; the node begins at `line`.
+    #[inline(always)]
+    fn times<L: Lanes>(&self, axis: usize, line: i32, lines: &Lines) -> (L, L) {
+        let base = L::splat((line - self.origin[axis]) as f32);
+        let (o, inv) = (L::splat(self.ray.o[axis]), L::splat(self.ray.inv[axis]));
+        (
+            base.plus(L::load(&lines.near[axis])).minus(o).times(inv),
+            base.plus(L::load(&lines.far[axis])).minus(o).times(inv),
+        )
     }
 }
