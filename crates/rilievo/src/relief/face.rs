@@ -180,15 +180,22 @@ impl ReliefFace {
 
     /// Whether the ray meets the face at some `0 <= t <= ray.t_max`.
     pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.first_crossing(ray, probe).is_some()
+        if self.options.method.is_exact() {
+            simd::run(self.options.simd, IsCrossed { face: self, ray, probe })
+        } else {
+            self.first_crossing(ray, probe).is_some()
+        }
     }
 
-    fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
+    /// The nearest crossing with `0 <= t <= ray.t_max`: what [`ReliefFace::closest`] finds, without
+    /// normals and position. Cheaper where several surfaces compete, or only `t` counts.
+    pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
         simd::run(self.options.simd, FirstCrossing { face: self, ray, probe })
     }
 
-    /// World-space account of a crossing that [`ReliefFace::first_crossing`] found along `ray`.
-    pub(crate) fn complete(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+    /// The hit of a crossing that [`ReliefFace::first_crossing`] found for this ray. `hit.surface`
+    /// is 0.
+    pub fn complete(&self, ray: &Ray, crossing: &Crossing) -> Hit {
         let Placement { edge_u, edge_v, normal, .. } = self.placement;
         let heights = self.relief.heights();
         let [u, v] = self.placement.uv(heights, crossing.lattice);
@@ -251,6 +258,26 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
         let trace = Trace { placement, relief, options };
         let crossing = trace.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe)?;
         (crossing.t <= ray.t_max).then_some(crossing)
+    }
+}
+
+/// Whether a face stops a ray, for exact methods.
+struct IsCrossed<'a, P> {
+    face: &'a ReliefFace,
+    ray: &'a Ray,
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for IsCrossed<'_, P> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let Self { face, ray, probe } = self;
+        let ReliefFace { placement, relief, options, .. } = face;
+        let Some(map_ray) = placement.map_ray(ray, options.closed) else { return false };
+        let trace = Trace { placement, relief, options };
+        trace.is_crossed::<L, P>((&map_ray, ray.t_max), probe)
     }
 }
 

@@ -56,6 +56,8 @@ pub(crate) struct MapRay {
     /// Part of `0..1` outside which the ray is clear of the height range or past its own end; for
     /// culling only, never shown to the leaf.
     pub cull: [f32; 2],
+    /// The ray's own end; infinite if it lies beyond the face's box.
+    pub end: f32,
     /// Largest magnitude of a raw height of the map.
     pub size: f32,
     /// Whether the ray surely starts above the surface.
@@ -121,13 +123,13 @@ fn axis_ray(exact: &ExactRay, window: &Window, axis: usize) -> AxisRay {
 
 impl MapRay {
     /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
-    /// `cull` is the part of `0..1` worth walking; `range` is that of the map's raw heights.
+    /// `cull` is the part of `0..1` worth walking, `end` the ray's own end; `range` is that of the map's raw heights.
     #[inline(always)]
     pub fn new(
         exact: ExactRay,
         window: &Window,
         (lift, range): (f64, [f64; 2]),
-        cull: [f64; 2],
+        (cull, end): ([f64; 2], f64),
     ) -> Self {
         let [x, y] = [axis_ray(&exact, window, 0), axis_ray(&exact, window, 1)];
         Self {
@@ -144,6 +146,7 @@ impl MapRay {
                 larger((cull[0] as f32).next_down(), 0.0),
                 smaller((cull[1] as f32).next_up(), 1.0),
             ],
+            end: end as f32,
             size: range[0].abs().max(range[1].abs()) as f32,
             above: lift > 0.0 || exact.origin[2] > range[1],
             exact,

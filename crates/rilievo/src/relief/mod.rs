@@ -46,7 +46,7 @@ pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
-pub(crate) use trace::Crossing;
+pub use trace::Crossing;
 
 /// A height map with what was derived from it; one relief serves any number of faces.
 #[derive(Clone, Debug)]

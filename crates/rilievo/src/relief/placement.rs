@@ -144,11 +144,9 @@ impl Placement {
         let start = origin + t_in * direction;
         let part = 1.0 / length;
         // The ray's own end, a little widened, and the part within the height range.
-        let end = if ray.t_max < t_out {
-            ((ray.t_max - t_in) * part * (1.0 + 1e-6) + 1e-9).min(1.0)
-        } else {
-            1.0
-        };
+        let own_end =
+            if ray.t_max < t_out { (ray.t_max - t_in) * part } else { f64::INFINITY };
+        let end = smaller64(own_end * (1.0 + 1e-6) + 1e-9, 1.0);
         let z = start.z + lift;
         let cull = if direction.z == 0.0 {
             if z < low || z > high { [1.0, 0.0] } else { [0.0, end] }
@@ -163,7 +161,7 @@ impl Placement {
             t_start: t_in,
             t_length: length,
         };
-        Some(MapRay::new(exact, &self.window, (lift, self.range), cull))
+        Some(MapRay::new(exact, &self.window, (lift, self.range), (cull, own_end)))
     }
 
     /// Puts a ray that starts on a wall exactly on the wall's line. None if it leaves the face for

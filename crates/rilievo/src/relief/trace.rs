@@ -18,9 +18,10 @@ use super::refine::refine;
 use super::tile::Tile;
 use super::walk::walk_pyramid;
 
-/// A crossing of a face, in lattice space.
+/// A crossing of a face, in lattice space: what a walk ends in, before the work of shading.
+/// [`super::ReliefFace::complete`] makes a [`crate::Hit`] of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
+pub struct Crossing {
     /// World parameter.
     pub t: f64,
     /// Unfolded lattice coordinates.
@@ -28,10 +29,10 @@ pub(crate) struct Crossing {
     /// Raw height of the point.
     pub raw: f64,
     /// Bound on the raw height between the point and the ray.
-    pub error: f64,
+    pub(crate) error: f64,
     /// Whether the ray came from the front.
     pub front: bool,
-    pub place: Place,
+    pub(crate) place: Place,
 }
 
 /// What was crossed.
@@ -86,15 +87,36 @@ impl Trace<'_> {
         spawned: bool,
         probe: &mut P,
     ) -> Option<Crossing> {
-        let heights = self.relief.heights();
         if !self.options.method.is_exact() {
             let hit = first_approximate(self, ray, spawned, probe)?;
             return Some(approximate_crossing(self, ray, hit));
         }
-        let (met, rising) =
-            (first_met::<L, P>(self, ray, probe)?, self.options.displacement.scale > 0.0);
+        let met = first_met::<L, P>(self, ray, probe)?;
+        Some(self.refined(ray, met))
+    }
+
+    /// Whether there is a crossing up to the ray's end, for exact methods: without the refinement
+    /// where that cannot matter.
+    #[inline(always)]
+    pub fn is_crossed<L: Lanes, P: Probe>(
+        &self,
+        (ray, t_max): (&MapRay, f64),
+        probe: &mut P,
+    ) -> bool {
+        let Some(met) = first_met::<L, P>(self, ray, probe) else { return false };
+        let (Met::Surface(LeafHit { s, .. }) | Met::Wall { s, .. }) = met;
+        // Refinement moves a crossing into a neighbour of the neighbouring cell at most.
+        let cells = 3.0 * smaller(ray.inv[0], ray.inv[1]);
+        s + cells <= ray.end || self.refined(ray, met).t <= t_max
+    }
+
+    /// The crossing of what was met, in `f64`.
+    #[inline(always)]
+    fn refined(&self, ray: &MapRay, met: Met) -> Crossing {
+        let rising = self.options.displacement.scale > 0.0;
+        let heights = self.relief.heights();
         let exact = &ray.exact;
-        Some(match met {
+        match met {
             Met::Surface(LeafHit { s, cell, from_above }) => {
                 let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
                 let root = refine(exact, heights, &self.placement.window, cell, f64::from(s));
@@ -124,7 +146,7 @@ impl Trace<'_> {
                     place: Place::Wall(wall),
                 }
             }
-        })
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
-use crate::map::Pyramid;
+use crate::map::{NodeBounds, Pyramid};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
@@ -44,6 +44,13 @@ pub(super) struct Start {
     pub cell: [i32; 2],
     /// Level of the smallest node that holds this cell and the ray's end.
     pub last_level: u32,
+}
+
+/// Which bounds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Upper,
+    Lower,
 }
 
 /// A ray in a tile, ready to be tested against nodes.
@@ -111,20 +118,34 @@ impl<'a> Nodes<'a> {
         let near = x_near.larger(L::splat(enter)).larger(y_near);
         let far = x_far.smaller(L::splat(leave)).smaller(y_far);
 
-        let at = self.pyramid.level(level);
-        let index = ((y ^ self.turn[1]) as u32 * at.nodes[0] + (x ^ self.turn[0]) as u32) as usize;
-        let code = self.pyramid.code();
-        let (base, step) = (L::splat(code.base), L::splat(code.step));
+        let [nodes_x, _] = self.pyramid.nodes(level);
+        let index = ((y ^ self.turn[1]) as u32 * nodes_x + (x ^ self.turn[0]) as u32) as usize;
+        let bounds = self.pyramid.node(level, index);
         let (dz, sinks) = (L::splat(self.ray.dz), L::all(self.ray.dz < 0.0));
         let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
-        let max = base.plus(L::from_u16(&at.max[index], self.mirror).times(step));
-        let mut met = L::and(near.below(far), lowest.at_most(max));
+        let mut met = L::and(near.below(far), lowest.at_most(self.bound(&bounds, Side::Upper)));
         if !self.ray.above {
             let highest = near.where_else(sinks, far).times(dz).plus(L::splat(self.oz[1]));
-            let min = base.plus(L::from_u16(&at.min[index], self.mirror).times(step));
-            met = L::and(met, min.at_most(highest));
+            let bound: L = self.bound(&bounds, Side::Lower);
+            met = L::and(met, bound.at_most(highest));
         }
         L::bits(met)
+    }
+
+    /// Upper or lower bounds of a node's children, raw heights.
+    #[inline(always)]
+    fn bound<L: Lanes>(&self, bounds: &NodeBounds<'_>, side: Side) -> L {
+        let code = self.pyramid.code();
+        let codes = match *bounds {
+            NodeBounds::Wide { max, min } => {
+                L::from_u16(if side == Side::Upper { max } else { min }, self.mirror)
+            }
+            NodeBounds::Tiny { max, min, base, step } => {
+                let steps = L::from_u8(if side == Side::Upper { max } else { min }, self.mirror);
+                L::splat(base).plus(steps.times(L::splat(step)))
+            }
+        };
+        L::splat(code.base).plus(codes.times(L::splat(code.step)))
     }
 
     /// Parameters of the near and far lines of a node's children; the node begins at `line`.
