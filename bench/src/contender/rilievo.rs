@@ -35,7 +35,7 @@ pub fn build((contender, layout): (Contender, Layout), task: &Task<'_>) -> Resul
     let facts = Facts::from([
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("method", options.method.name().to_owned()),
-        ("simd", "scalar".to_owned()),
+        ("simd", options.simd.name().to_owned()),
     ]);
     let face = ReliefFace::new(CORNERS, Arc::new(relief), options);
     let tracer = Tracer { face: face.map_err(|e| e.to_string())? };
@@ -67,7 +67,7 @@ impl Loaded<'_> {
             }
         } else {
             for ray in &self.rays {
-                if let Some(hit) = self.face.closest(ray, &mut ()) {
+                if let Some(hit) = self.face.first_crossing(ray, &mut ()) {
                     tally.hit(hit.t);
                 }
             }
@@ -76,6 +76,6 @@ impl Loaded<'_> {
     }
 
     pub fn call(&self) -> &'static str {
-        if self.any_hit { "ReliefFace::occludes" } else { "ReliefFace::closest" }
+        if self.any_hit { "ReliefFace::occludes" } else { "ReliefFace::first_crossing" }
     }
 }

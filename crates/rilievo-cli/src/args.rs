@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use rilievo::SimdLevel;
 use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
@@ -68,6 +69,10 @@ pub struct RenderArgs {
     /// each map's own]. The picture does not depend on it.
     #[arg(long, value_parser = value::layout())]
     pub layout: Option<Layout>,
+    /// Vector instructions of the walk [default: the fastest this processor has]. The picture does
+    /// not depend on it.
+    #[arg(long, value_name = "LEVEL", value_parser = value::simd())]
+    pub simd: Option<SimdLevel>,
     /// What does the work.
     #[arg(long, value_enum, default_value_t = Backend::Cpu)]
     pub backend: Backend,

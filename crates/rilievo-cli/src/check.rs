@@ -5,7 +5,7 @@ use rilievo::map::{
 };
 use rilievo_io::image::HeightOptions;
 use rilievo_io::map_file::{BakedContent, BakedMap, BakedNormals, MapSource};
-use rilievo_io::scene::SceneFile;
+use rilievo_io::scene::{LoadOptions, SceneFile};
 use rilievo_io::{FileKind, Limits};
 use serde::Serialize;
 
@@ -59,7 +59,8 @@ struct SceneReport {
 fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
     let limits = Limits::default();
     let files = SceneFile::read(&args.file, &limits)?.references();
-    let loaded = job::load(&args.file, (None, None), limits, args.talk)?;
+    let options = LoadOptions { limits, ..LoadOptions::default() };
+    let loaded = job::load(&args.file, &options, args.talk)?;
     // Files that no shape uses are not loaded; they must at least be there.
     for file in &files {
         FileKind::of(file)?;

@@ -3,8 +3,7 @@
 use std::cell::RefCell;
 use std::path::Path;
 
-use rilievo::map::{DistanceKind, Layout};
-use rilievo::relief::Method;
+use rilievo::map::DistanceKind;
 use rilievo_io::Limits;
 use rilievo_io::scene::{DistanceBuild, LoadOptions, LoadedScene, SceneFile};
 use rilievo_render::film::tonemap::ToneMap;
@@ -39,7 +38,14 @@ impl RenderJob {
     pub fn open(args: &RenderArgs) -> Result<Self, Failure> {
         let watch = Stopwatch::start();
         let limits = args.max_memory.map_or_else(Limits::default, |max_bytes| Limits { max_bytes });
-        let loaded = load(&args.scene, (args.method, args.layout), limits, args.talk)?;
+        let options = LoadOptions {
+            limits,
+            method: args.method,
+            layout: args.layout,
+            simd: args.simd.unwrap_or_default(),
+            ..LoadOptions::default()
+        };
+        let loaded = load(&args.scene, &options, args.talk)?;
         let LoadedScene { scene, tone_map, .. } = loaded;
         let mut settings = *scene.settings();
         settings = RenderSettings {
@@ -96,17 +102,16 @@ impl RenderJob {
 /// Of the scene or any of its files.
 pub fn load(
     path: &Path,
-    (method, layout): (Option<Method>, Option<Layout>),
-    limits: Limits,
+    options: &LoadOptions<'_>,
     talk: Talk,
 ) -> Result<LoadedScene, Failure> {
-    let file = SceneFile::read(path, &limits)?;
+    let file = SceneFile::read(path, &options.limits)?;
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {
         drop(built.take());
         built.replace(Some(tell_build(build, talk)));
     };
-    Ok(file.load(&LoadOptions { limits, method, layout, building: &building })?)
+    Ok(file.load(&LoadOptions { building: &building, ..*options })?)
 }
 
 /// Says which distance map is being built, and what to expect of it.

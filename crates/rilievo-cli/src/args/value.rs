@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use rilievo::SimdLevel;
 use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
@@ -80,6 +81,11 @@ pub fn method() -> impl TypedValueParser<Value = Method> {
 
 pub fn layout() -> impl TypedValueParser<Value = Layout> {
     PossibleValuesParser::new(Layout::ALL.map(Layout::name)).try_map(|name| name.parse::<Layout>())
+}
+
+pub fn simd() -> impl TypedValueParser<Value = SimdLevel> {
+    let names: Vec<_> = SimdLevel::available().iter().map(|level| level.name()).collect();
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<SimdLevel>())
 }
 
 pub fn integrator() -> impl TypedValueParser<Value = Integrator> {

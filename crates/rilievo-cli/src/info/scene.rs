@@ -2,8 +2,7 @@
 
 use rilievo::relief::Relief;
 use rilievo::surface::Surface;
-use rilievo_io::Limits;
-use rilievo_io::scene::{LoadedMap, LoadedScene};
+use rilievo_io::scene::{LoadOptions, LoadedMap, LoadedScene};
 use rilievo_render::{MemoryUse, RenderOptions, Scene};
 use serde::Serialize;
 
@@ -63,8 +62,9 @@ impl From<&LoadedMap> for MapReport {
 }
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let options = LoadOptions { layout: args.layout, ..LoadOptions::default() };
     let LoadedScene { mut scene, maps, .. } =
-        job::load(&args.file, (None, args.layout), Limits::default(), args.talk)?;
+        job::load(&args.file, &options, args.talk)?;
     if let Some(resolution) = args.resolution {
         let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
         scene = scene.with_camera(camera);

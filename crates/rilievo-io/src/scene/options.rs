@@ -1,5 +1,6 @@
 //! How a scene is loaded, and what its loading tells on the way.
 
+use rilievo::SimdLevel;
 use rilievo::map::{DistanceKind, Layout};
 use rilievo::relief::Method;
 
@@ -14,14 +15,23 @@ pub struct LoadOptions<'a> {
     pub method: Option<Method>,
     /// Stores the bounds of every map so, whatever the scene says.
     pub layout: Option<Layout>,
+    /// Vector instructions of the walk.
+    pub simd: SimdLevel,
     /// Told of every distance map before it is built: that may take a while.
     pub building: &'a dyn Fn(&DistanceBuild<'_>),
 }
 
 impl Default for LoadOptions<'_> {
-    /// The scene's own methods and layouts, default limits, nobody told.
+    /// The scene's own methods and layouts, default limits, the fastest
+    /// instructions, nobody told.
     fn default() -> Self {
-        Self { limits: Limits::default(), method: None, layout: None, building: &|_| {} }
+        Self {
+            limits: Limits::default(),
+            method: None,
+            layout: None,
+            simd: SimdLevel::detect(),
+            building: &|_| {},
+        }
     }
 }
 

@@ -241,7 +241,7 @@ impl<'a> Loader<'a> {
             normals: self.normals(&entry.normals, &relief)?,
             closed: quad.closed,
             one_sided: quad.one_sided,
-            simd: options.simd,
+            simd: self.options.simd,
         };
         ReliefFace::new(quad.corners.value, relief, options).map_err(|e| {
             let at = match e {
