@@ -100,11 +100,7 @@ impl RenderJob {
 ///
 /// # Errors
 /// Of the scene or any of its files.
-pub fn load(
-    path: &Path,
-    options: &LoadOptions<'_>,
-    talk: Talk,
-) -> Result<LoadedScene, Failure> {
+pub fn load(path: &Path, options: &LoadOptions<'_>, talk: Talk) -> Result<LoadedScene, Failure> {
     let file = SceneFile::read(path, &options.limits)?;
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {

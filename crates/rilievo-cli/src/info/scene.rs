@@ -63,8 +63,7 @@ impl From<&LoadedMap> for MapReport {
 
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let options = LoadOptions { layout: args.layout, ..LoadOptions::default() };
-    let LoadedScene { mut scene, maps, .. } =
-        job::load(&args.file, &options, args.talk)?;
+    let LoadedScene { mut scene, maps, .. } = job::load(&args.file, &options, args.talk)?;
     if let Some(resolution) = args.resolution {
         let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
         scene = scene.with_camera(camera);

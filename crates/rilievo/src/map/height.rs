@@ -208,19 +208,33 @@ impl HeightMap {
         }
     }
 
+    /// Raw values of samples (i0, j0), (i1, j0), (i0, j1), (i1, j1).
+    #[inline(always)]
+    fn raw_corners(&self, [i0, i1]: [u32; 2], [j0, j1]: [u32; 2]) -> [f32; 4] {
+        let width = self.x.samples() as usize;
+        let (low, high) = (j0 as usize * width, j1 as usize * width);
+        let (i0, i1) = (i0 as usize, i1 as usize);
+        match &self.samples {
+            Samples::U16(v) => {
+                [v[low + i0].into(), v[low + i1].into(), v[high + i0].into(), v[high + i1].into()]
+            }
+            Samples::F32(v) => [v[low + i0], v[low + i1], v[high + i0], v[high + i1]],
+        }
+    }
+
     /// Raw corner values `[h00, h10, h01, h11]` of the stored cell (cx, cy); `h10` is one step
     /// along x.
     #[inline]
     pub fn stored_corners(&self, cx: u32, cy: u32) -> [f32; 4] {
         let ((i0, i1), (j0, j1)) = (self.x.corners(cx), self.y.corners(cy));
-        [self.raw(i0, j0), self.raw(i1, j0), self.raw(i0, j1), self.raw(i1, j1)]
+        self.raw_corners([i0, i1], [j0, j1])
     }
 
     /// Raw corner values `[h00, h10, h01, h11]` of unfolded cell (i, j).
-    #[inline]
+    #[inline(always)]
     pub fn unfolded_corners(&self, i: i32, j: i32) -> [f32; 4] {
         let ((i0, i1), (j0, j1)) = (self.x.unfolded_corners(i), self.y.unfolded_corners(j));
-        [self.raw(i0, j0), self.raw(i1, j0), self.raw(i0, j1), self.raw(i1, j1)]
+        self.raw_corners([i0, i1], [j0, j1])
     }
 
     /// The runs of both axes that hold unfolded cell (i, j).

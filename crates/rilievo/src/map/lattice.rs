@@ -154,7 +154,7 @@ impl Axis {
     }
 
     /// The two samples that stored cell `c` joins, near one first.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&self, c: u32) -> (u32, u32) {
         debug_assert!(c < self.cells());
         if self.first_cell() < 0 {
@@ -167,7 +167,7 @@ impl Axis {
     }
 
     /// The run that holds unfolded cell `i`.
-    #[inline]
+    #[inline(always)]
     pub fn run(&self, i: i32) -> Run {
         // The map itself, without a division.
         let (start, len) = (self.first_cell(), self.cells() as i32);
@@ -185,6 +185,7 @@ impl Axis {
     }
 
     /// The run that holds unfolded cell `i`, in any repetition.
+    #[inline(never)]
     fn outer_run(&self, i: i32) -> Run {
         let n = self.samples as i32;
         match (self.lattice, self.wrap) {
@@ -216,7 +217,7 @@ impl Axis {
     }
 
     /// The samples that unfolded cell `i` joins, the one at the smaller coordinate first.
-    #[inline]
+    #[inline(always)]
     pub fn unfolded_corners(&self, i: i32) -> (u32, u32) {
         let run = self.run(i);
         let (a, b) = self.corners(run.stored(i) as u32);

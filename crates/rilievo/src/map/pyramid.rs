@@ -112,7 +112,7 @@ impl Pyramid {
     ///
     /// # Panics
     /// If there is no such node.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn node(&self, level: u32, index: usize) -> NodeBounds<'_> {
         self.levels[level as usize].bounds.node(index)
     }

@@ -201,12 +201,6 @@ impl MapRay {
         self.hi[axis].ceil() as i32
     }
 
-    /// The cell of the window that holds the start, or the nearest one.
-    #[inline]
-    pub fn cell_of_start(&self, axis: usize) -> i32 {
-        0.clamp(self.first_cell(axis), self.end_cell(axis) - 1)
-    }
-
     /// The forward cell `f` of the window with `T(f) <= s < T(f + 1)`; the nearest cell of the
     /// window if there is none.
     #[inline(always)]

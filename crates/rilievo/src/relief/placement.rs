@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::map::HeightMap;
+use crate::map::{Axis, HeightMap, Run};
 use crate::ray::{Origin, Part, Ray, Wall};
 
 use super::leaf;
@@ -28,6 +28,8 @@ pub(crate) struct Placement {
     pub displacement: Displacement,
     /// The face's border in lattice space.
     pub window: Window,
+    /// The runs of both axes that hold the whole window, if one of each does.
+    pub runs: Option<[Run; 2]>,
     /// Raw height that lies on the face.
     pub raw_zero: f64,
     /// Raw heights per scene unit along the normal.
@@ -78,6 +80,7 @@ impl Placement {
             lattice_from_world: DMat3::from_diagonal(per_uvw) * uvw_from_world,
             lattice_corner: DVec3::new(window.lo[0], window.lo[1], raw_zero),
             displacement,
+            runs: whole_runs(heights, &window),
             window,
             raw_zero,
             raw_per_length,
@@ -144,8 +147,7 @@ impl Placement {
         let start = origin + t_in * direction;
         let part = 1.0 / length;
         // The ray's own end, a little widened, and the part within the height range.
-        let own_end =
-            if ray.t_max < t_out { (ray.t_max - t_in) * part } else { f64::INFINITY };
+        let own_end = if ray.t_max < t_out { (ray.t_max - t_in) * part } else { f64::INFINITY };
         let end = smaller64(own_end * (1.0 + 1e-6) + 1e-9, 1.0);
         let z = start.z + lift;
         let cull = if direction.z == 0.0 {
@@ -193,6 +195,18 @@ impl Placement {
             Wall::SeamV(line) => (1, f64::from(line)),
         }
     }
+}
+
+/// The runs of both axes that hold the whole window, if one of each does.
+fn whole_runs(heights: &HeightMap, window: &Window) -> Option<[Run; 2]> {
+    let whole = |axis: &Axis, k: usize| {
+        let (lo, hi) = (window.lo[k].floor(), window.hi[k].ceil());
+        // Cells are counted in `i32`; a larger window is refused later.
+        let countable = lo.abs().max(hi.abs()) < f64::from(1 << 24);
+        let run = countable.then(|| axis.run(lo as i32))?;
+        (run.end() >= hi as i32).then_some(run)
+    };
+    Some([whole(heights.x(), 0)?, whole(heights.y(), 1)?])
 }
 
 /// The larger of two numbers, the second if one is NaN: one instruction.

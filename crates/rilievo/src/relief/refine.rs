@@ -44,9 +44,35 @@ pub(crate) fn crosses(ray: &ExactRay, heights: &HeightMap, s0: f64, from_above: 
     if from_above { !(before < 0.0 && after > 0.0) } else { !(before > 0.0 && after < 0.0) }
 }
 
+/// Finds the crossing near `s0`: see [`refine_across`]. Nearly every root lies inside of `cell`, and
+/// the window does not cut the cell: then nothing has to be kept inside of anything.
+#[inline(always)]
+pub(crate) fn refine(
+    ray: &ExactRay,
+    heights: &HeightMap,
+    window: &Window,
+    cell: [i32; 2],
+    s0: f64,
+) -> Root {
+    let corner = [f64::from(cell[0]), f64::from(cell[1])];
+    let quad = Quadratic::new(ray, heights.unfolded_corners(cell[0], cell[1]), corner, s0);
+    let e = quad.root(s0);
+    let x = quad.at[0] + e * ray.direction[0];
+    let y = quad.at[1] + e * ray.direction[1];
+    let whole = (window.lo[0] <= corner[0])
+        & (window.lo[1] <= corner[1])
+        & (window.hi[0] >= corner[0] + 1.0)
+        & (window.hi[1] >= corner[1] + 1.0);
+    if whole & (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0) {
+        return quad.root_at(ray, cell, s0 + e, [x, y]);
+    }
+    refine_across(ray, heights, window, cell, s0)
+}
+
 /// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to, never
 /// outside of the window.
-pub(crate) fn refine(
+#[inline(never)]
+fn refine_across(
     ray: &ExactRay,
     heights: &HeightMap,
     window: &Window,
@@ -82,7 +108,7 @@ pub(crate) fn starts_beyond(
 struct Patch {
     cell: [i32; 2],
     /// Corners h00, h10, h01, h11.
-    h: [f64; 4],
+    h: [f32; 4],
     /// Lowest and highest local coordinate inside the window.
     limits: [[f64; 2]; 2],
     /// Whether the window goes on beyond the cell's low and high border.
@@ -107,7 +133,7 @@ impl Patch {
             let start = f64::from(cell[k]);
             [window.lo[k] < start, window.hi[k] > start + 1.0]
         });
-        let h = heights.unfolded_corners(cell[0], cell[1]).map(f64::from);
+        let h = heights.unfolded_corners(cell[0], cell[1]);
         Self { cell, h, limits, goes_on }
     }
 
@@ -117,38 +143,13 @@ impl Patch {
         local.min(self.limits[k][1]).max(self.limits[k][0])
     }
 
-    fn height(&self, [x, y]: [f64; 2]) -> f64 {
-        let low = self.h[0] + (self.h[1] - self.h[0]) * x;
-        let high = self.h[2] + (self.h[3] - self.h[2]) * x;
-        low + (high - low) * y
-    }
-
     fn root_near(&self, ray: &ExactRay, s0: f64) -> Candidate {
-        let [dx, dy, dz] = ray.direction;
-        let at = [0, 1].map(|k| ray.origin[k] + s0 * ray.direction[k] - f64::from(self.cell[k]));
-        let [x, y] = at;
-        let [b, c] = [self.h[1] - self.h[0], self.h[2] - self.h[0]];
-        let d = (self.h[3] - self.h[2]) - b;
-        let g0 = ray.origin[2] + s0 * dz - self.height(at);
-        let g1 = dz - (b + d * y) * dx - (c + d * x) * dy;
-        let g2 = -d * dx * dy;
-        let discriminant = g1 * g1 - 4.0 * g2 * g0;
-        let e = if discriminant >= 0.0 {
-            -2.0 * g0 / (g1 + g1.signum() * discriminant.sqrt())
-        } else {
-            -g1 / (2.0 * g2)
-        };
-        let e = if e.is_finite() { e.max(-s0) } else { 0.0 };
-        let (kept, beyond) = self.keep_inside(at, [dx, dy], e);
-        let s = s0 + kept;
-        let local = [0, 1].map(|k| self.inside(k, at[k] + kept * ray.direction[k]));
-        let raw = self.height(local);
-        let gap = ray.origin[2] + s * dz - raw;
-        // The lattice coordinates themselves are rounded; on a steep cell that is a height.
-        let rounding =
-            8.0 * f64::EPSILON * (2.0 + self.cell.map(f64::from).map(f64::abs).iter().sum::<f64>());
-        let error = gap.abs() + rounding * (b.abs() + c.abs() + d.abs());
-        Candidate { root: Root { s, cell: self.cell, local, raw, error }, beyond }
+        let corner = self.cell.map(f64::from);
+        let quad = Quadratic::new(ray, self.h, corner, s0);
+        let [dx, dy, _] = ray.direction;
+        let (kept, beyond) = self.keep_inside(quad.at, [dx, dy], quad.root(s0));
+        let local = [0, 1].map(|k| self.inside(k, quad.at[k] + kept * ray.direction[k]));
+        Candidate { root: quad.root_at(ray, self.cell, s0 + kept, local), beyond }
     }
 
     /// Shortens the step `e` from `at` to end on the border of cell or window if it leads outside;
@@ -173,6 +174,66 @@ impl Patch {
         }
         (kept, beyond)
     }
+}
+
+/// The gap between a ray and a cell's patch about a parameter: `g0 + g1 e + g2 e^2`.
+struct Quadratic {
+    /// Local coordinates of the ray there.
+    at: [f64; 2],
+    g: [f64; 3],
+    /// The patch: `h00 + b x + c y + d x y`.
+    h00: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+}
+
+impl Quadratic {
+    /// The gap over the patch with corners `h` at `corner` about `s0`.
+    #[inline(always)]
+    fn new(ray: &ExactRay, h: [f32; 4], corner: [f64; 2], s0: f64) -> Self {
+        let [dx, dy, dz] = ray.direction;
+        let x = ray.origin[0] + s0 * dx - corner[0];
+        let y = ray.origin[1] + s0 * dy - corner[1];
+        let h00 = f64::from(h[0]);
+        let (b, c) = (f64::from(h[1]) - h00, f64::from(h[2]) - h00);
+        let d = (f64::from(h[3]) - f64::from(h[2])) - b;
+        let height = patch_height(h00, [b, c, d], [x, y]);
+        let g0 = ray.origin[2] + s0 * dz - height;
+        let g1 = dz - (b + d * y) * dx - (c + d * x) * dy;
+        Self { at: [x, y], g: [g0, g1, -d * dx * dy], h00, b, c, d }
+    }
+
+    /// The root nearest to `e = 0`, or the point of closest approach; not before the start.
+    #[inline(always)]
+    fn root(&self, s0: f64) -> f64 {
+        let [g0, g1, g2] = self.g;
+        let discriminant = g1 * g1 - 4.0 * g2 * g0;
+        let e = if discriminant >= 0.0 {
+            -2.0 * g0 / (g1 + discriminant.sqrt().copysign(g1))
+        } else {
+            -g1 / (2.0 * g2)
+        };
+        if e.is_finite() { e.max(-s0) } else { 0.0 }
+    }
+
+    /// The root at parameter `s` and local coordinates of the patch.
+    #[inline(always)]
+    fn root_at(&self, ray: &ExactRay, cell: [i32; 2], s: f64, local: [f64; 2]) -> Root {
+        let raw = patch_height(self.h00, [self.b, self.c, self.d], local);
+        let gap = ray.origin[2] + s * ray.direction[2] - raw;
+        // The lattice coordinates themselves are rounded; on a steep cell that is a height.
+        let reach = 2.0 + f64::from(cell[0]).abs() + f64::from(cell[1]).abs();
+        let steepness = self.b.abs() + self.c.abs() + self.d.abs();
+        let error = gap.abs() + 8.0 * f64::EPSILON * reach * steepness;
+        Root { s, cell, local, raw, error }
+    }
+}
+
+/// Height of a patch at local coordinates.
+#[inline(always)]
+fn patch_height(h00: f64, [b, c, d]: [f64; 3], [x, y]: [f64; 2]) -> f64 {
+    (h00 + b * x) + (c + d * x) * y
 }
 
 #[cfg(test)]

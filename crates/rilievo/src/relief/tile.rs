@@ -90,16 +90,6 @@ impl Tile {
         Self { axes: [x, y], enter, leave }
     }
 
-    /// Whether no other tile is in the face's window.
-    #[inline(always)]
-    pub fn is_whole_window(&self, ray: &MapRay) -> bool {
-        let [x, y] = &self.axes;
-        x.from == ray.first_cell(0)
-            && y.from == ray.first_cell(1)
-            && x.to == ray.end_cell(0)
-            && y.to == ray.end_cell(1)
-    }
-
     /// Corner heights of a forward cell in forward order `[h00, h10, h01, h11]`.
     #[inline]
     pub fn corners(&self, map: &HeightMap, cell: [i32; 2]) -> [f32; 4] {
@@ -123,26 +113,7 @@ impl Tile {
         admit: Crossings,
     ) -> Option<LeafHit> {
         let hit = span.intersect(ray, cell, &self.corners(map, cell), admit)?;
-        self.confirms(map, ray, (span.t0, &hit), admit).then_some(hit)
-    }
-
-    /// Whether the unrounded ray bears out what the leaf found in a span that begins at `t0`.
-    #[inline]
-    pub fn confirms(
-        &self,
-        map: &HeightMap,
-        ray: &MapRay,
-        (t0, hit): (f32, &LeafHit),
-        admit: Crossings,
-    ) -> bool {
-        let root = (f64::from(hit.s), hit.from_above);
-        if t0 == 0.0 {
-            let unfolded = [0, 1].map(|axis| ray.unfolded(axis, hit.cell[axis]));
-            if refine::starts_beyond(&ray.exact, map, unfolded, root) {
-                return false;
-            }
-        }
-        admit == Crossings::Both || refine::crosses(&ray.exact, map, root.0, root.1)
+        confirms(map, ray, (span.t0, &hit), admit).then_some(hit)
     }
 
     /// The forward cell of this tile in which the ray is at `s`.
@@ -170,4 +141,22 @@ impl Tile {
     pub fn leaves_across(&self, ray: &MapRay, axis: usize) -> bool {
         ray.t_far(axis, self.axes[axis].to - 1) <= self.leave
     }
+}
+
+/// Whether the unrounded ray bears out what the leaf found in a span that begins at `t0`.
+#[inline]
+pub(crate) fn confirms(
+    map: &HeightMap,
+    ray: &MapRay,
+    (t0, hit): (f32, &LeafHit),
+    admit: Crossings,
+) -> bool {
+    let root = (f64::from(hit.s), hit.from_above);
+    if t0 == 0.0 {
+        let unfolded = [ray.unfolded(0, hit.cell[0]), ray.unfolded(1, hit.cell[1])];
+        if refine::starts_beyond(&ray.exact, map, unfolded, root) {
+            return false;
+        }
+    }
+    admit == Crossings::Both || refine::crosses(&ray.exact, map, root.0, root.1)
 }

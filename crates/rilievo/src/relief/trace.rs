@@ -16,7 +16,7 @@ use super::options::FaceOptions;
 use super::placement::Placement;
 use super::refine::refine;
 use super::tile::Tile;
-use super::walk::walk_pyramid;
+use super::walk::{TileFrame, walk_pyramid};
 
 /// A crossing of a face, in lattice space: what a walk ends in, before the work of shading.
 /// [`super::ReliefFace::complete`] makes a [`crate::Hit`] of it.
@@ -164,41 +164,59 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
     let start = larger(enter, ray.cull[0]);
     let stop = smaller(leave, ray.cull[1]);
     if start < stop {
-        let mut cell = [ray.cell_of_start(0), ray.cell_of_start(1)];
-        let mut tile = Tile::new(heights, ray, cell);
-        if !tile.is_whole_window(ray) {
-            cell = [ray.cell_at(0, start), ray.cell_at(1, start)];
-            tile = Tile::new(heights, ray, cell);
-        }
-        loop {
-            let part = [larger(start, tile.enter), smaller(stop, tile.leave)];
-            if let Some(hit) = walk_tile::<L, P>(face, ray, &tile, part, probe) {
-                return Some(Met::Surface(hit));
+        let runs = face.placement.runs.as_ref();
+        let met = match runs.filter(|_| face.options.method == Method::Pyramid) {
+            Some(runs) => {
+                let frame = TileFrame::of_window(ray, runs, (enter, leave));
+                let maps = (heights, face.relief.pyramid());
+                walk_pyramid::<L, P>(maps, ray, &frame, face.admitted(), probe).map(Met::Surface)
             }
-            if tile.leave >= stop {
-                break;
-            }
-            let crossed = [0, 1].map(|axis| tile.leaves_across(ray, axis));
-            for axis in 0..2 {
-                let at = &tile.axes[axis];
-                cell[axis] = if crossed[axis] {
-                    at.to
-                } else {
-                    ray.cell_at(axis, tile.leave).clamp(at.from, at.to - 1)
-                };
-            }
-            if (0..2).any(|axis| cell[axis] >= ray.end_cell(axis)) {
-                break;
-            }
-            if face.has_seams()
-                && let Some(wall) = seam_wall(face, ray, &tile, (cell, crossed))
-            {
-                return Some(wall);
-            }
-            tile = Tile::new(heights, ray, cell);
+            None => walk_tiles::<L, P>(face, ray, [start, stop], probe),
+        };
+        if met.is_some() {
+            return met;
         }
     }
     if face.options.closed && leave < 1.0 { exit_wall(face, ray, leave) } else { None }
+}
+
+/// Walks tile after tile between two parameters.
+#[inline(always)]
+fn walk_tiles<L: Lanes, P: Probe>(
+    face: &Trace<'_>,
+    ray: &MapRay,
+    [start, stop]: [f32; 2],
+    probe: &mut P,
+) -> Option<Met> {
+    let heights = face.relief.heights();
+    let mut cell = [ray.cell_at(0, start), ray.cell_at(1, start)];
+    loop {
+        let tile = Tile::new(heights, ray, cell);
+        let part = [larger(start, tile.enter), smaller(stop, tile.leave)];
+        if let Some(hit) = walk_tile::<L, P>(face, ray, &tile, part, probe) {
+            return Some(Met::Surface(hit));
+        }
+        if tile.leave >= stop {
+            return None;
+        }
+        let crossed = [tile.leaves_across(ray, 0), tile.leaves_across(ray, 1)];
+        for axis in 0..2 {
+            let at = &tile.axes[axis];
+            cell[axis] = if crossed[axis] {
+                at.to
+            } else {
+                ray.cell_at(axis, tile.leave).clamp(at.from, at.to - 1)
+            };
+        }
+        if cell[0] >= ray.end_cell(0) || cell[1] >= ray.end_cell(1) {
+            return None;
+        }
+        if face.has_seams()
+            && let Some(wall) = seam_wall(face, ray, &tile, (cell, crossed))
+        {
+            return Some(wall);
+        }
+    }
 }
 
 /// The face's method on one tile.
@@ -221,7 +239,10 @@ fn walk_tile<L: Lanes, P: Probe>(
     match (face.options.method, distances) {
         (Method::Dda, _) => walk_cells(heights, ray, tile, part, (admit, probe)),
         (_, Some(map)) => walk_distance((heights, map), ray, tile, part, (admit, probe)),
-        _ => walk_pyramid::<L, P>((heights, relief.pyramid()), ray, tile, admit, probe),
+        _ => {
+            let frame = TileFrame::of(ray, tile);
+            walk_pyramid::<L, P>((heights, relief.pyramid()), ray, &frame, admit, probe)
+        }
     }
 }
 

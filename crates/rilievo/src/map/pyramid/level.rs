@@ -161,7 +161,7 @@ impl LevelBounds {
     }
 
     /// The bounds of a node.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn node(&self, index: usize) -> NodeBounds<'_> {
         match self {
             Self::Wide { max, min } => NodeBounds::Wide { max: &max[index], min: &min[index] },

@@ -5,11 +5,12 @@
 //! met first, so that one division and one square root are enough.
 
 use crate::map::{Axis, HeightMap, Samples};
-use crate::simd::{Lanes, Mirror, WIDTH};
+use crate::simd::{Lanes, WIDTH};
 
 use super::super::leaf::{Crossings, Gap, LeafHit};
 use super::super::map_ray::MapRay;
-use super::super::tile::{Tile, TileAxis};
+use super::super::tile;
+use super::TileFrame;
 
 /// Column and row of each lane.
 static PLACES: [[f32; WIDTH]; 2] = [
@@ -21,7 +22,7 @@ static PLACES: [[f32; WIDTH]; 2] = [
 pub(super) struct Blocks<'a> {
     map: &'a HeightMap,
     ray: &'a MapRay,
-    tile: &'a Tile,
+    frame: &'a TileFrame,
 }
 
 /// Sixteen roots to be.
@@ -45,15 +46,15 @@ struct Ends<L: Lanes> {
 
 impl<'a> Blocks<'a> {
     #[inline(always)]
-    pub fn new(map: &'a HeightMap, ray: &'a MapRay, tile: &'a Tile) -> Self {
-        Self { map, ray, tile }
+    pub fn new(map: &'a HeightMap, ray: &'a MapRay, frame: &'a TileFrame) -> Self {
+        Self { map, ray, frame }
     }
 
     /// The first admitted crossing in the block with its corner at a mirrored cell.
     #[inline(always)]
     pub fn first_hit<L: Lanes>(&self, corner: [i32; 2], admit: Crossings) -> Option<LeafHit> {
-        let [ax, ay] = &self.tile.axes;
-        let first = [corner[0] - ax.mirrored_origin(), corner[1] - ay.mirrored_origin()];
+        let [x, y] = self.frame.origin;
+        let first = [corner[0] - x, corner[1] - y];
         let gaps = self.gaps::<L>(first, self.corners(corner));
         if gaps.candidates == 0 { None } else { self.first_of(&gaps, first, admit) }
     }
@@ -75,7 +76,7 @@ impl<'a> Blocks<'a> {
             let gap = Gap { b0: b0[lane], b1: b1[lane], b2: b2[lane] };
             let cell = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
             if let Some(hit) = gap.first_hit([t0[lane], t1[lane]], cell, admit)
-                && self.tile.confirms(self.map, self.ray, (t0[lane], &hit), admit)
+                && tile::confirms(self.map, self.ray, (t0[lane], &hit), admit)
             {
                 return Some(hit);
             }
@@ -92,15 +93,8 @@ impl<'a> Blocks<'a> {
         let t0 = x.t_near.larger(y.t_near).larger(zero);
         let t1 = x.t_far.smaller(y.t_far).smaller(one);
         let [cull_in, cull_out] = self.ray.cull;
-        let mut active = L::and(
-            t0.below(t1),
-            L::and(L::splat(cull_in).at_most(t1), t0.at_most(L::splat(cull_out))),
-        );
-        let [ax, ay] = &self.tile.axes;
-        if first[0] < ax.from || first[1] < ay.from || first[0] + 4 > ax.to || first[1] + 4 > ay.to
-        {
-            active = L::and(active, L::and(inside(&x, ax), inside(&y, ay)));
-        }
+        let cull = L::and(L::splat(cull_in).at_most(t1), t0.at_most(L::splat(cull_out)));
+        let active = L::and(t0.below(t1), cull);
         let (xa, xb) = self.locals(0, &x, t0, t1);
         let (ya, yb) = self.locals(1, &y, t0, t1);
         let [h00, h10, h01, h11] = corners;
@@ -119,13 +113,14 @@ impl<'a> Blocks<'a> {
         Gaps { t0, t1, b0, b1, b2, candidates: L::bits(L::and(active, root)) }
     }
 
-    /// Lines of the cells along one axis, cut to the window, and their parameters.
+    /// Lines of the cells along one axis, cut to the tile, and their parameters. A cell of the tile
+    /// has the lines that the leaf gives it; one beyond has none between them.
     #[inline(always)]
     fn ends<L: Lanes>(&self, axis: usize, first: i32) -> Ends<L> {
         let (o, inv) = (L::splat(self.ray.o[axis]), L::splat(self.ray.inv[axis]));
         let f = L::splat(first as f32).plus(L::load(&PLACES[axis]));
-        let near_line = f.larger(L::splat(self.ray.lo[axis]));
-        let far_line = f.plus(L::splat(1.0)).smaller(L::splat(self.ray.hi[axis]));
+        let near_line = f.larger(L::splat(self.frame.lo[axis]));
+        let far_line = f.plus(L::splat(1.0)).smaller(L::splat(self.frame.hi[axis]));
         Ends {
             t_near: near_line.minus(o).times(inv),
             t_far: far_line.minus(o).times(inv),
@@ -152,8 +147,7 @@ impl<'a> Blocks<'a> {
     /// Corner heights of the block with its corner at a mirrored cell.
     #[inline(always)]
     fn corners<L: Lanes>(&self, corner: [i32; 2]) -> [L; 4] {
-        let [ax, ay] = &self.tile.axes;
-        let mirror = Mirror { x: ax.down, y: ay.down };
+        let mirror = self.frame.mirror();
         // The stored cell of the block with the smallest indices.
         let x = if mirror.x { !(corner[0] + 3) } else { corner[0] };
         let y = if mirror.y { !(corner[1] + 3) } else { corner[1] };
@@ -171,12 +165,6 @@ impl<'a> Blocks<'a> {
             }
         }
     }
-}
-
-/// The cells that belong to the tile.
-#[inline(always)]
-fn inside<L: Lanes>(ends: &Ends<L>, axis: &TileAxis) -> L::Mask {
-    L::and(L::splat(axis.from as f32).at_most(ends.f), ends.f.below(L::splat(axis.to as f32)))
 }
 
 /// Linear interpolation as `leaf::lerp`.

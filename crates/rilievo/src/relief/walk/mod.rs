@@ -33,6 +33,7 @@
 //! height is beyond the leaf's by at least `slack`, which is what the leaf's proof asks for.
 
 mod block;
+mod frame;
 mod node;
 
 use crate::map::{HeightMap, Pyramid};
@@ -41,9 +42,10 @@ use crate::simd::Lanes;
 
 use super::leaf::{Crossings, LeafHit};
 use super::map_ray::MapRay;
-use super::tile::Tile;
 use block::Blocks;
 use node::Nodes;
+
+pub(crate) use frame::TileFrame;
 
 /// Levels in the first word of the stack.
 const LOW_LEVELS: u32 = 4;
@@ -53,18 +55,18 @@ const LOW_LEVELS: u32 = 4;
 pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
     (map, pyramid): (&HeightMap, &Pyramid),
     ray: &MapRay,
-    tile: &Tile,
+    frame: &TileFrame,
     admit: Crossings,
     probe: &mut P,
 ) -> Option<LeafHit> {
-    let nodes = Nodes::new(pyramid, ray, tile);
-    let blocks = Blocks::new(map, ray, tile);
+    let nodes = Nodes::new(pyramid, ray, frame);
+    let blocks = Blocks::new(map, ray, frame);
     let top = pyramid.levels() - 1;
-    let start = nodes.start(tile);
+    let start = nodes.start();
     // The next node to test when nothing is left to do, and the last one.
     let (mut next, last, home) = match start {
         Some(start) => (0, start.last_level.min(top), start.cell),
-        None => (top, top, [tile.axes[0].mirror(), tile.axes[1].mirror()]),
+        None => (top, top, frame.turn),
     };
     let [mut x, mut y] = home;
     let (mut todo, mut high) = (0u64, 0u64);

@@ -1,11 +1,11 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
 use crate::map::{NodeBounds, Pyramid};
-use crate::simd::{Lanes, Mirror, WIDTH};
+use crate::simd::{Lanes, WIDTH};
 
 use super::super::leaf;
 use super::super::map_ray::{MapRay, larger, smaller};
-use super::super::tile::Tile;
+use super::TileFrame;
 
 /// Offsets of the lines of a node's blocks from its corner, cells: near and far lines in x and y.
 struct Lines {
@@ -57,53 +57,50 @@ enum Side {
 pub(super) struct Nodes<'a> {
     pyramid: &'a Pyramid,
     ray: &'a MapRay,
+    frame: &'a TileFrame,
     /// Height at the start, less and plus the slack of the cull.
     oz: [f32; 2],
     /// The part of the ray worth walking in this tile.
     part: [f32; 2],
-    /// Mirrored index of the tile's forward line 0, and the mirror itself, 0 or -1.
-    origin: [i32; 2],
-    turn: [i32; 2],
-    mirror: Mirror,
 }
 
 impl<'a> Nodes<'a> {
     #[inline(always)]
-    pub fn new(pyramid: &'a Pyramid, ray: &'a MapRay, tile: &Tile) -> Self {
+    pub fn new(pyramid: &'a Pyramid, ray: &'a MapRay, frame: &'a TileFrame) -> Self {
         let slack = 2.0 * leaf::slack(ray.size);
-        let [x, y] = &tile.axes;
         Self {
             pyramid,
             ray,
+            frame,
             oz: [ray.oz - slack, ray.oz + slack],
-            part: [larger(tile.enter, ray.cull[0]), smaller(tile.leave, ray.cull[1])],
-            origin: [x.mirrored_origin(), y.mirrored_origin()],
-            turn: [x.mirror(), y.mirror()],
-            mirror: Mirror { x: x.down, y: y.down },
+            part: [larger(frame.enter, ray.cull[0]), smaller(frame.leave, ray.cull[1])],
         }
     }
 
     /// The start of a climb, if the ray starts in this tile and in the height range.
     #[inline(always)]
-    pub fn start(&self, tile: &Tile) -> Option<Start> {
+    pub fn start(&self) -> Option<Start> {
         let [enter, leave] = self.part;
         if enter > 0.0 {
             return None;
         }
-        let [(x, x_end), (y, y_end)] = [self.ends(0, leave, tile), self.ends(1, leave, tile)];
+        let ((x, x_end), (y, y_end)) = (self.ends(0, leave), self.ends(1, leave));
         // Level l holds both if they agree above its 4 + 2 l low bits.
         let bits = 32 - ((x ^ x_end) | (y ^ y_end)).leading_zeros();
         Some(Start { cell: [x, y], last_level: bits.saturating_sub(3) / 2 })
     }
 
-    /// Mirrored cells that hold the ray's start and its end, or lie beyond it.
+    /// Mirrored cells that hold the ray's start and its end, or lie beyond it, on the map.
     #[inline(always)]
-    fn ends(&self, axis: usize, leave: f32, tile: &Tile) -> (i32, i32) {
-        let (from, last) = (tile.axes[axis].from, tile.axes[axis].to - 1);
-        let start = self.ray.cell_of_start(axis).max(from).min(last);
-        // Rounding stays below one cell: coordinates are below 2^23.
+    fn ends(&self, axis: usize, leave: f32) -> (i32, i32) {
+        let cells = self.pyramid.cells()[axis] as i32;
+        let (origin, turn) = (self.frame.origin[axis], self.frame.turn[axis]);
+        // Stored cells 0..cells are mirrored cells -cells..0 if turned.
+        let first = turn & -cells;
+        let on_map = |g: i32| g.max(first).min(first + cells - 1);
+        // The start is in forward cell 0. Rounding stays below one cell: coordinates are below 2^23.
         let end = (self.ray.o[axis] + leave * self.ray.d[axis]) as i32 + 1;
-        (start + self.origin[axis], end.max(from).min(last) + self.origin[axis])
+        (on_map(origin), on_map(origin + end))
     }
 
     /// The children that the ray may meet of the node of `level` that holds a mirrored cell.
@@ -119,7 +116,8 @@ impl<'a> Nodes<'a> {
         let far = x_far.smaller(L::splat(leave)).smaller(y_far);
 
         let [nodes_x, _] = self.pyramid.nodes(level);
-        let index = ((y ^ self.turn[1]) as u32 * nodes_x + (x ^ self.turn[0]) as u32) as usize;
+        let index =
+            ((y ^ self.frame.turn[1]) as u32 * nodes_x + (x ^ self.frame.turn[0]) as u32) as usize;
         let bounds = self.pyramid.node(level, index);
         let (dz, sinks) = (L::splat(self.ray.dz), L::all(self.ray.dz < 0.0));
         let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
@@ -138,10 +136,11 @@ impl<'a> Nodes<'a> {
         let code = self.pyramid.code();
         let codes = match *bounds {
             NodeBounds::Wide { max, min } => {
-                L::from_u16(if side == Side::Upper { max } else { min }, self.mirror)
+                L::from_u16(if side == Side::Upper { max } else { min }, self.frame.mirror())
             }
             NodeBounds::Tiny { max, min, base, step } => {
-                let steps = L::from_u8(if side == Side::Upper { max } else { min }, self.mirror);
+                let steps =
+                    L::from_u8(if side == Side::Upper { max } else { min }, self.frame.mirror());
                 L::splat(base).plus(steps.times(L::splat(step)))
             }
         };
@@ -151,7 +150,7 @@ impl<'a> Nodes<'a> {
     /// Parameters of the near and far lines of a node's children; the node begins at `line`.
     #[inline(always)]
     fn times<L: Lanes>(&self, axis: usize, line: i32, lines: &Lines) -> (L, L) {
-        let base = L::splat((line - self.origin[axis]) as f32);
+        let base = L::splat((line - self.frame.origin[axis]) as f32);
         let (o, inv) = (L::splat(self.ray.o[axis]), L::splat(self.ray.inv[axis]));
         (
             base.plus(L::load(&lines.near[axis])).minus(o).times(inv),

@@ -1,0 +1,67 @@
+//! [`TileFrame`]: a tile of a face in mirrored cells, as the descent counts them.
+
+use crate::map::Run;
+use crate::simd::Mirror;
+
+use super::super::map_ray::{MapRay, larger, smaller};
+use super::super::tile::Tile;
+
+/// A tile as one ray's descent sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TileFrame {
+    /// Mirrored cell of forward cell 0.
+    pub origin: [i32; 2],
+    /// What stored cells are combined with to give mirrored cells: 0, or -1 where they fall.
+    pub turn: [i32; 2],
+    /// Near and far lines of the tile inside the window, forward.
+    pub lo: [f32; 2],
+    pub hi: [f32; 2],
+    /// Parameters at which the ray enters and leaves, not before 0 nor after 1.
+    pub enter: f32,
+    pub leave: f32,
+}
+
+impl TileFrame {
+    /// The frame of a tile.
+    #[inline(always)]
+    pub fn of(ray: &MapRay, tile: &Tile) -> Self {
+        let [x, y] = &tile.axes;
+        Self {
+            origin: [x.mirrored_origin(), y.mirrored_origin()],
+            turn: [x.mirror(), y.mirror()],
+            lo: [larger(x.from as f32, ray.lo[0]), larger(y.from as f32, ray.lo[1])],
+            hi: [smaller(x.to as f32, ray.hi[0]), smaller(y.to as f32, ray.hi[1])],
+            enter: tile.enter,
+            leave: tile.leave,
+        }
+    }
+
+    /// The frame of a window that lies in one run of each axis; the ray enters and leaves it at
+    /// `span`.
+    #[inline(always)]
+    pub fn of_window(ray: &MapRay, [x, y]: &[Run; 2], span: (f32, f32)) -> Self {
+        let (x, y) = (mirrored(ray, x, 0), mirrored(ray, y, 1));
+        Self {
+            origin: [x.0, y.0],
+            turn: [x.1, y.1],
+            lo: ray.lo,
+            hi: ray.hi,
+            enter: span.0,
+            leave: span.1,
+        }
+    }
+
+    /// Which axes stored blocks are mirrored along.
+    #[inline(always)]
+    pub fn mirror(&self) -> Mirror {
+        Mirror { x: self.turn[0] != 0, y: self.turn[1] != 0 }
+    }
+}
+
+/// Mirrored cell of forward cell 0 along an axis, and the turn.
+#[inline(always)]
+fn mirrored(ray: &MapRay, run: &Run, axis: usize) -> (i32, i32) {
+    let shown = run.stored(ray.unfolded(axis, 0));
+    let turn = -i32::from(ray.backward[axis] != run.flipped);
+    (shown ^ turn, turn)
+}
