@@ -66,7 +66,6 @@ pub mod mesh;
 mod probe;
 mod ray;
 pub mod relief;
-#[expect(unsafe_code, reason = "vector instructions; see the head of the module")]
 mod simd;
 pub mod surface;
 

@@ -63,7 +63,7 @@ pub(crate) fn refine(
         & (window.lo[1] <= corner[1])
         & (window.hi[0] >= corner[0] + 1.0)
         & (window.hi[1] >= corner[1] + 1.0);
-    if whole & (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0) {
+    if whole & (0.0..=1.0).contains(&x) & (0.0..=1.0).contains(&y) {
         return quad.root_at(ray, cell, s0 + e, [x, y]);
     }
     refine_across(ray, heights, window, cell, s0)

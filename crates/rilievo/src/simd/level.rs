@@ -38,26 +38,38 @@ impl SimdLevel {
     pub fn available() -> &'static [Self] {
         static FOUND: OnceLock<Vec<SimdLevel>> = OnceLock::new();
         FOUND.get_or_init(|| {
-            #[allow(unused_mut, reason = "only one level on other processors")]
             let mut found = vec![Self::PORTABLE];
-            #[cfg(target_arch = "x86_64")]
-            if std::arch::is_x86_feature_detected!("avx2")
-                && std::arch::is_x86_feature_detected!("bmi1")
-                && std::arch::is_x86_feature_detected!("bmi2")
-                && std::arch::is_x86_feature_detected!("lzcnt")
-                && std::arch::is_x86_feature_detected!("popcnt")
-            {
-                found.push(Self(Level::Avx2));
-                if std::arch::is_x86_feature_detected!("avx512f")
-                    && std::arch::is_x86_feature_detected!("avx512bw")
-                    && std::arch::is_x86_feature_detected!("avx512dq")
-                    && std::arch::is_x86_feature_detected!("avx512vl")
-                {
-                    found.push(Self(Level::Avx512));
-                }
-            }
+            found.extend(Self::of_x86());
             found
         })
+    }
+
+    /// The levels of this x86 processor.
+    #[cfg(target_arch = "x86_64")]
+    fn of_x86() -> Vec<Self> {
+        let mut found = Vec::new();
+        if std::arch::is_x86_feature_detected!("avx2")
+            && std::arch::is_x86_feature_detected!("bmi1")
+            && std::arch::is_x86_feature_detected!("bmi2")
+            && std::arch::is_x86_feature_detected!("lzcnt")
+            && std::arch::is_x86_feature_detected!("popcnt")
+        {
+            found.push(Self(Level::Avx2));
+            if std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512bw")
+                && std::arch::is_x86_feature_detected!("avx512dq")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+            {
+                found.push(Self(Level::Avx512));
+            }
+        }
+        found
+    }
+
+    /// None: this is no x86 processor.
+    #[cfg(not(target_arch = "x86_64"))]
+    fn of_x86() -> Vec<Self> {
+        Vec::new()
     }
 
     /// The fastest level of this processor.

@@ -12,6 +12,8 @@
 //!
 //! **Measured**: docs/performance.md has the rays a second of each level.
 
+#![expect(unsafe_code, reason = "vector instructions; see above")]
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -10,6 +10,10 @@ pub(crate) struct Portable([[f32; 4]; 4]);
 /// All bits of an element set, or none.
 type Mask = [[u32; 4]; 4];
 
+/// The bit of each lane.
+const BITS: Mask =
+    [[1, 2, 4, 8], [16, 32, 64, 128], [256, 512, 1024, 2048], [4096, 8192, 16384, 32768]];
+
 #[inline(always)]
 fn zip<A: Copy, B: Copy, C: Copy + Default>(
     a: &[[A; 4]; 4],
@@ -124,14 +128,12 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn bits(mask: Mask) -> u16 {
-        // One bit a lane, then sums over each axis: additions of vectors.
-        let mut columns = [0u32; 4];
-        for y in 0..4 {
-            for x in 0..4 {
-                columns[x] |= mask[y][x] & (1 << (4 * y + x));
-            }
+        let [a, b, c, d] = zip(&mask, &BITS, |mask, bit| mask & bit);
+        let mut all = 0;
+        for x in 0..4 {
+            all |= a[x] | b[x] | c[x] | d[x];
         }
-        (columns[0] | columns[1] | columns[2] | columns[3]) as u16
+        all as u16
     }
 
     #[inline(always)]
@@ -171,10 +173,9 @@ impl Lanes for Portable {
 fn corners<T: Copy + Into<f32>>(rows: [&[T; 8]; 5], backward: bool) -> [Portable; 4] {
     let mut out = [[[0.0; 4]; 4]; 4];
     let mut samples = [[0.0f32; 5]; 5];
-    for y in 0..5 {
-        for x in 0..5 {
-            let at = if backward { 4 - x } else { x };
-            samples[y][x] = rows[y][at].into();
+    for (row, to) in rows.iter().zip(&mut samples) {
+        for (x, sample) in to.iter_mut().enumerate() {
+            *sample = row[if backward { 4 - x } else { x }].into();
         }
     }
     for y in 0..4 {
