@@ -66,7 +66,7 @@ pub(super) fn decode(
     if sink.begin(&info)? == Flow::Stop {
         return Ok(());
     }
-    let length = (width * info.channels) as usize;
+    let length = width as usize * info.channels as usize;
     let mut pixels = vec![0; length * height as usize];
     decoder.decode_into(&mut pixels).map_err(|e| context.damaged(e))?;
     for (y, row) in pixels.chunks_exact(length.max(1)).enumerate() {

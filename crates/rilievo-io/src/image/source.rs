@@ -152,7 +152,7 @@ pub(crate) trait Sink {
 
     /// Takes all samples at once, top row first, where a decoder has them so.
     fn grid(&mut self, info: &ImageInfo, samples: Vec<f32>) {
-        let length = (info.width * info.channels) as usize;
+        let length = info.width as usize * info.channels as usize;
         for (y, row) in samples.chunks_exact(length.max(1)).enumerate() {
             self.row(y as u32, Row::F32(row));
         }

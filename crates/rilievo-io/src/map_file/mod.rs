@@ -38,14 +38,15 @@
 
 mod checksum;
 mod header;
+mod levels;
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Write};
 use std::path::Path;
 
 use rilievo::map::{
-    Codes, DistanceBits, DistanceMap, DistanceParts, HeightMap, Lattice, Layout, Level,
-    LevelBounds, Metric, NormalConvention, NormalMap, NormalMapError, NormalTexels, Samples, Wrap,
+    Codes, DistanceBits, DistanceMap, DistanceParts, HeightMap, Lattice, Level, Metric,
+    NormalConvention, NormalMap, NormalMapError, NormalTexels, Samples, Wrap,
 };
 
 use crate::atomic;
@@ -219,7 +220,7 @@ impl BakedMap {
     }
 
     /// Hands over the payload piece by piece.
-    fn payload(&self, mut take: impl FnMut(&[u8])) {
+    fn payload(&self, take: impl FnMut(&[u8])) {
         match &self.content {
             BakedContent::Normals(normals) => {
                 pieces(normals.texels.as_flattened(), |v| v.to_le_bytes(), take);
@@ -228,25 +229,7 @@ impl BakedMap {
                 Codes::U8(codes) => codes.chunks(PIECE).for_each(take),
                 Codes::U16(codes) => pieces(codes, |v| v.to_le_bytes(), take),
             },
-            BakedContent::MinMax(levels) => {
-                for level in levels {
-                    match &level.bounds {
-                        LevelBounds::Wide { max, min } => {
-                            for bounds in [max, min] {
-                                pieces(bounds.as_flattened(), |v| v.to_le_bytes(), &mut take);
-                            }
-                        }
-                        LevelBounds::Tiny { max, min, .. } => {
-                            for bounds in [max, min] {
-                                bounds.as_flattened().chunks(PIECE).for_each(&mut take);
-                            }
-                        }
-                    }
-                }
-                // At the end of it all: they alone need not fill whole words.
-                let ranges: Vec<u16> = levels.iter().flat_map(ranges).copied().collect();
-                pieces(&ranges, |v| v.to_le_bytes(), &mut take);
-            }
+            BakedContent::MinMax(levels) => levels::give(levels, take),
         }
     }
 }
@@ -268,20 +251,6 @@ fn pieces<T: Copy, const N: usize>(
         bytes.extend(chunk.iter().flat_map(|&v| bytes_of(v)));
         take(&bytes);
     }
-}
-
-/// The ranges of the nodes of a tiny level.
-fn ranges(level: &Level) -> &[u16] {
-    match &level.bounds {
-        LevelBounds::Wide { .. } => &[],
-        LevelBounds::Tiny { range, .. } => range.as_flattened(),
-    }
-}
-
-/// Sixteen `u16` lanes.
-fn wide(bytes: [u8; 32]) -> [u16; 16] {
-    let mut lanes = bytes.as_chunks::<2>().0.iter();
-    std::array::from_fn(|_| lanes.next().map_or(0, |b| u16::from_le_bytes(*b)))
 }
 
 /// Reads a file of `length` bytes.
@@ -336,7 +305,8 @@ fn decode(path: &Path, limits: &Limits, length: u64, input: &mut dyn Read) -> Re
             }
         }
         Kind::MinMax => {
-            let levels = payload.levels(header.layout(), header::level_nodes(header.cells()));
+            let levels =
+                levels::take(&mut payload, header.layout(), header::level_nodes(header.cells()));
             BakedContent::MinMax(levels.map_err(fail)?)
         }
     };
@@ -373,34 +343,6 @@ impl Payload<'_> {
             values.extend(bytes.as_chunks::<N>().0.iter().map(|&b| value_of(b)));
         }
         Ok(values)
-    }
-
-    /// Levels of a min-max pyramid with these nodes.
-    fn levels(&mut self, layout: Layout, nodes: Vec<[u32; 2]>) -> std::io::Result<Vec<Level>> {
-        let mut levels = Vec::new();
-        for nodes in nodes {
-            let count = nodes[0] as usize * nodes[1] as usize;
-            let bounds = match layout {
-                Layout::Default => {
-                    let (max, min) = (self.codes(count, wide)?, self.codes(count, wide)?);
-                    LevelBounds::Wide { max, min }
-                }
-                Layout::Tiny => LevelBounds::Tiny {
-                    max: self.codes(count, |lanes: [u8; 16]| lanes)?,
-                    min: self.codes(count, |lanes: [u8; 16]| lanes)?,
-                    range: Vec::new(),
-                },
-            };
-            levels.push(Level { nodes, bounds });
-        }
-        for level in &mut levels {
-            if let LevelBounds::Tiny { max, range, .. } = &mut level.bounds {
-                *range = self.codes(max.len(), |[a, b, c, d]| {
-                    [u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d])]
-                })?;
-            }
-        }
-        Ok(levels)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Bounds against the cells they stand for.
 
-use super::super::height::Samples;
+use super::super::height::{RowMut, Samples};
 use super::super::lattice::{Lattice, Wrap};
 use super::*;
 
@@ -89,4 +89,30 @@ fn a_texel_of_a_large_map_takes_a_quarter_of_a_byte_or_less() {
         let bytes = Pyramid::predicted_bytes([4096; 2], layout);
         assert!((bytes as f64) < most * 4096.0 * 4096.0, "{layout}: {bytes}");
     }
+}
+
+/// The longest axis there is: a spike at its far end, before and after an edit.
+#[test]
+fn the_longest_map_is_bounded_to_its_end() {
+    let n = 1u32 << 24;
+    let mut codes = vec![7; 2 * n as usize];
+    codes[2 * n as usize - 1] = 262;
+    let mut map = HeightMap::new(n, 2, Samples::U16(codes), Lattice::Texel, Wrap::Clamp).unwrap();
+    let mut pyramid = Pyramid::build_as(&map, Layout::Tiny);
+    let last = map.x().cells() - 1;
+    assert_eq!(pyramid.blocks(0)[0], last / 4 + 1);
+    assert_eq!(pyramid.bounds(0, last / 4, 0), (7.0, 262.0));
+    assert_eq!(pyramid.bounds(0, (n - 4) / 4 - 1, 0), (7.0, 7.0));
+    let rect = [n - 1..n, 0..2];
+    map.edit(rect.clone(), |_, row| {
+        if let RowMut::U16(row) = row {
+            row.fill(90);
+        }
+    })
+    .unwrap();
+    pyramid.update(&map, rect);
+    assert_eq!(pyramid.bounds(0, last / 4, 0), (90.0, 90.0));
+    let top = pyramid.levels() - 1;
+    assert_eq!([0, 1].map(|bx| pyramid.bounds(top, bx, 0)), [(7.0, 90.0), (90.0, 90.0)]);
+    assert_eq!(pyramid, Pyramid::build_as(&map, Layout::Tiny));
 }
