@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rilievo::glam::DVec3;
-use rilievo::map::{HeightMap, Lattice, Procedural, Samples, Wrap};
+use rilievo::map::{HeightMap, Lattice, Layout, Procedural, Samples, Wrap};
 use rilievo::relief::{
     Displacement, FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals,
 };
@@ -192,4 +192,46 @@ fn rays_without_a_direction_or_with_broken_numbers_hit_nothing() {
     }
     assert!(shoot(&face, [0.5, 0.5, 0.1], [0.0; 3]).is_none());
     assert!(shoot(&face, [0.5, 0.5, 1e300], [0.0, 0.0, -1e-300]).is_none());
+}
+
+/// Heights so far from 0 that the slack of the bounds is wider than their range: a ray that left over
+/// the border was led to a node that is not there.
+#[test]
+fn rays_leave_a_float_map_far_from_zero() {
+    for (size, layout) in [70, 100, 300].into_iter().flat_map(|n| Layout::ALL.map(|l| (n, l))) {
+        for step in [0.0, 0.25] {
+            let heights = (0..size * size).map(|k| 3e6 + step * (k % 7) as f32).collect();
+            let samples = Samples::F32(heights);
+            let map = HeightMap::new(size, size, samples, Lattice::Vertex, Wrap::Clamp).unwrap();
+            let relief = Arc::new(Relief::with_layout(map, layout));
+            let displacement = Displacement { zero: 3e6, ..Displacement::default() };
+            let options = FaceOptions { displacement, ..FaceOptions::default() };
+            let face = ReliefFace::new(UNIT, relief, options).unwrap();
+            for k in 0..2000 {
+                let share = |p: u32| f64::from(k * p % 1999) / 1999.0;
+                let above = 6.0 * f64::from(step) + 0.3 + share(7);
+                let from = DVec3::new(share(11), share(13), above);
+                let level = DVec3::new(share(17) - 0.5, share(19) - 0.5, 0.0);
+                assert!(face.closest(&Ray::new(from, level), &mut ()).is_none(), "{from} {level}");
+            }
+        }
+    }
+}
+
+/// The same for codes: a ray just above the lowest height meets the empty maximum of a lane beyond the
+/// map, which is that height.
+#[test]
+fn rays_leave_a_map_of_codes_just_above_its_lowest_height() {
+    for (size, layout) in [70, 100, 300].into_iter().flat_map(|n| Layout::ALL.map(|l| (n, l))) {
+        let samples = Samples::U16(vec![0; (size * size) as usize]);
+        let map = HeightMap::new(size, size, samples, Lattice::Vertex, Wrap::Clamp).unwrap();
+        let relief = Arc::new(Relief::with_layout(map, layout));
+        let face = ReliefFace::new(UNIT, relief, FaceOptions::default()).unwrap();
+        for k in 0..2000 {
+            let share = |p: u32| f64::from(k * p % 1999) / 1999.0;
+            let from = DVec3::new(share(11), share(13), 1e-9 + 1e-6 * share(7));
+            let level = DVec3::new(share(17) - 0.5, share(19) - 0.5, 0.0);
+            assert!(face.closest(&Ray::new(from, level), &mut ()).is_none(), "{from} {level}");
+        }
+    }
 }

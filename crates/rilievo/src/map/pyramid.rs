@@ -19,7 +19,8 @@
 //! lies between its bounds. Lanes beyond the map hold an empty interval (codes 65535 to 0; in a
 //! tiny node 255 to 0).
 //!
-//! **Measured** (one core, release, 4096 x 4096 u16, 2026-11): see docs/METHODS.md.
+//! **Measured** (one thread, release, 4096 x 4096, 2026-11): build 0.3 to 0.7 ns a texel of `u16`,
+//! 0.6 to 0.9 in the tiny layout, 1.0 to 1.5 of `f32`; an edit of 64 x 64 samples 10 to 16 us.
 
 mod blocks;
 mod build;
