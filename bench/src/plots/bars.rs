@@ -56,7 +56,9 @@ pub fn transforms(records: &[Transform]) -> Vec<Plot> {
         },
         note: format!("{:.1}", record.ns_per_voxel),
     };
-    let bars: Vec<Bar> = records.iter().map(bar).collect();
+    let mut sorted: Vec<&Transform> = records.iter().collect();
+    sorted.sort_by(|a, b| (&a.grid, &a.contender).cmp(&(&b.grid, &b.contender)));
+    let bars: Vec<Bar> = sorted.into_iter().map(bar).collect();
     let title = "Distance maps and transforms: processor nanoseconds a voxel, one thread";
     vec![Plot { name: "transforms.svg".to_owned(), text: chart(title, &bars, None) }]
 }

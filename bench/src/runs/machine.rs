@@ -38,7 +38,7 @@ fn of(cpuinfo: &str, meminfo: &str, processors: usize) -> Machine {
         value(text, key).and_then(|v| v.split_whitespace().next()?.parse::<u64>().ok())
     };
     let flags = value(cpuinfo, "flags").unwrap_or_default();
-    let known = ["sse4_2", "avx", "avx2", "fma", "avx512f", "avx512bw", "avx512vl", "avx512_vbmi"];
+    let known = ["sse4_2", "avx", "avx2", "fma", "avx512f", "avx512bw", "avx512vl", "avx512vbmi"];
     let id = |key| number(cpuinfo, key).unwrap_or(0) as u32;
     Machine {
         cpu: value(cpuinfo, "model name").unwrap_or_else(|| "unknown".to_owned()),
