@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use rilievo::SimdLevel;
 use rilievo::map::DistanceKind;
 
 use crate::contender::Contender;
@@ -50,6 +51,9 @@ pub struct KernelArgs {
     /// Contenders, parted by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Contender::ALL)]
     pub contenders: Vec<Contender>,
+    /// SIMD level of rilievo's kernel [default: the fastest of this processor].
+    #[arg(long, value_name = "LEVEL", value_parser = simd())]
+    pub simd: Option<SimdLevel>,
     /// Passes after the one that warms up; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u16).range(1..))]
@@ -150,6 +154,11 @@ fn kind() -> impl TypedValueParser<Value = DistanceKind> {
     let find = move |text: String| kinds.into_iter().find(|&kind| name(kind) == text);
     PossibleValuesParser::new(kinds.map(name))
         .try_map(move |text| find(text).ok_or("no kind of distance map"))
+}
+
+fn simd() -> impl TypedValueParser<Value = SimdLevel> {
+    let names: Vec<_> = SimdLevel::available().iter().map(|level| level.name()).collect();
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<SimdLevel>())
 }
 
 fn depth(text: &str) -> Result<f64, String> {

@@ -9,6 +9,7 @@ mod rilievo;
 
 use std::collections::BTreeMap;
 
+use ::rilievo::SimdLevel;
 use ::rilievo::map::{HeightMap, Layout};
 use clap::ValueEnum;
 
@@ -36,6 +37,8 @@ pub struct Task<'a> {
     pub heights: &'a HeightMap,
     /// Scene units of height 1.
     pub depth: f64,
+    /// The level of rilievo's kernel.
+    pub simd: SimdLevel,
     /// Embree's configuration string.
     #[cfg(feature = "embree")]
     pub embree_config: &'a str,
@@ -182,6 +185,7 @@ mod tests {
         Task {
             heights,
             depth,
+            simd: SimdLevel::detect(),
             #[cfg(feature = "embree")]
             embree_config: "threads=1",
         }

@@ -31,7 +31,7 @@ pub fn build((contender, layout): (Contender, Layout), task: &Task<'_>) -> Resul
     let took = watch.took();
     let (_, bytes) = relief.bytes();
     let displacement = Displacement { scale: task.depth, ..Displacement::default() };
-    let options = FaceOptions { displacement, ..FaceOptions::default() };
+    let options = FaceOptions { displacement, simd: task.simd, ..FaceOptions::default() };
     let facts = Facts::from([
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("method", options.method.name().to_owned()),
@@ -67,8 +67,8 @@ impl Loaded<'_> {
             }
         } else {
             for ray in &self.rays {
-                if let Some(hit) = self.face.first_crossing(ray, &mut ()) {
-                    tally.hit(hit.t);
+                if let Some(crossing) = self.face.first_crossing(ray, &mut ()) {
+                    tally.hit(crossing.t);
                 }
             }
         }

@@ -66,6 +66,7 @@ fn one_map(
     let task = Task {
         heights: &heights,
         depth,
+        simd: args.simd.unwrap_or_default(),
         #[cfg(feature = "embree")]
         embree_config: &args.embree_config,
     };

@@ -49,9 +49,14 @@ impl Record {
         self.map == other.map && key(self) == key(other)
     }
 
+    /// The SIMD level of rilievo's kernel; none for peers.
+    pub fn simd(&self) -> Option<&str> {
+        self.against.get("simd").map(String::as_str)
+    }
+
     /// Whether `other` measures the same work of the same contender, called alike.
     pub fn is_same_row(&self, other: &Self) -> bool {
-        let key = |r: &Self| (r.rays_a_call, r.against.get("simd").cloned());
+        let key = |r: &Self| (r.rays_a_call, r.simd().map(str::to_owned));
         self.is_same_work(other) && self.contender == other.contender && key(self) == key(other)
     }
 }

@@ -24,7 +24,7 @@ struct Bar {
 
 /// rilievo / best Embree, a file a size.
 pub fn ratios(run: &Run) -> Vec<Plot> {
-    let rows = Comparison::all(run);
+    let rows = Comparison::all(run, None);
     let mut sizes: Vec<u32> = rows.iter().map(|row| row.size).collect();
     sizes.dedup();
     let bar = |row: &Comparison| Bar {

@@ -29,13 +29,14 @@ pub enum Scope {
 }
 
 impl Comparison {
-    /// The rows of a run that have both sides, sizes ascending, in the order of the record.
-    pub fn all(run: &Run) -> Vec<Self> {
+    /// The rows of a run that have both sides, sizes ascending, in the order of the record: rilievo
+    /// at one SIMD level, or at the best one recorded.
+    pub fn all(run: &Run, simd: Option<&str>) -> Vec<Self> {
         let mut rows: Vec<Self> = Vec::new();
         for record in &run.kernels {
             let at = |row: &Self| row.is_of(record);
             if !rows.iter().any(at)
-                && let Some(row) = Self::of(&run.kernels, record)
+                && let Some(row) = Self::of(&run.kernels, record, simd)
             {
                 rows.push(row);
             }
@@ -45,8 +46,16 @@ impl Comparison {
     }
 
     /// The row of `record`.
-    fn of(records: &[kernels::Record], record: &kernels::Record) -> Option<Self> {
-        let same = || records.iter().filter(|other| record.is_same_work(other));
+    fn of(
+        records: &[kernels::Record],
+        record: &kernels::Record,
+        simd: Option<&str>,
+    ) -> Option<Self> {
+        let fits = |other: &kernels::Record| match (other.simd(), simd) {
+            (Some(found), Some(asked)) => found == asked,
+            _ => true,
+        };
+        let same = || records.iter().filter(|other| record.is_same_work(other) && fits(other));
         let best = |chosen: &dyn Fn(&str) -> bool| {
             same()
                 .filter(|r| chosen(&r.contender))
@@ -128,13 +137,15 @@ mod tests {
             ],
             ..Run::default()
         };
-        let rows = Comparison::all(&run);
+        let rows = Comparison::all(&run, None);
         assert_eq!(rows.len(), 2);
         assert_eq!((rows[0].ratio(), rows[0].tiny), (1.5, Some(5.0)));
         assert_eq!(rows[0].embree.0, "embree-grid");
         assert_eq!((rows[1].ratio(), rows[1].embree.0.as_str()), (0.5, "embree-grid x16"));
         assert_eq!(rows[1].row_name(), "primary16 packets");
         assert!(rows.iter().all(|row| row.is_in(Scope::Goal)));
+        // The examples say no level, so they belong to any.
+        assert_eq!(Comparison::all(&run, Some("avx2")), rows);
         let mean = geometric_mean(rows.iter().map(Comparison::ratio)).unwrap();
         assert!((mean - 0.75f64.sqrt()).abs() < 1e-12);
         assert_eq!(geometric_mean([].into_iter()), None);

@@ -19,9 +19,20 @@ pub fn summary(folder: &Path) -> Result<(), String> {
 
 /// All tables, line by line.
 fn text(run: &Run) -> Vec<String> {
-    let rows = Comparison::all(run);
-    let mut lines = means(&rows);
-    lines.extend(rates(&rows));
+    let mut levels: Vec<&str> = run.kernels.iter().filter_map(kernels::Record::simd).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    let mut lines = vec![
+        "Rays a second of one thread. Goal rows: primary, shadow, diffuse, primary16 packets on fbm, \
+         gaussian, studded."
+            .to_owned(),
+    ];
+    for level in levels {
+        let rows = Comparison::all(run, Some(level));
+        lines.extend([String::new(), format!("## rilievo ({level}) / best Embree"), String::new()]);
+        lines.extend(means(&rows));
+        lines.extend(rates(&rows));
+    }
     lines.extend(memory(&run.kernels));
     if !run.builds.is_empty() {
         lines.extend(builds(run));
