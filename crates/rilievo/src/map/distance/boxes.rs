@@ -15,7 +15,7 @@
 //! is the squared distance from the closed voxel box to the union of the column boxes, so a lower
 //! bound of the distance from *any* point of the voxel to the surface. One fetch, no
 //! interpolation, no correction. It is a separable minimum: per slab one lower envelope along x and
-//! one along y ([`transform`](super::transform)), linear in the voxels. Heights are never cut into
+//! one along y, eight lines at a time ([`erosion`](super::erosion)), linear in the voxels. Heights are never cut into
 //! levels; only the voxels are.
 //!
 //! **Outside.** Sites lie in the domain, a convex box. Moving a query to the nearest point of a
@@ -38,11 +38,9 @@ use rayon::prelude::*;
 
 use super::codes::{Code, Quantiser};
 use super::domain::Domain;
-use super::transform::Envelope;
+use super::erosion::{Erosion, LINES, Place, larger};
 use crate::map::HeightMap;
-
-/// Lines along y that are transformed together, so that memory is read in whole cache lines.
-const LINES: usize = 16;
+use crate::simd::{self, Kernel, Lanes, SimdLevel};
 
 /// Distances from voxels to columns in exact integer squares.
 #[derive(Debug)]
@@ -51,6 +49,8 @@ pub(super) struct Boxes {
     size: [u32; 3],
     /// Scene units squared of one integer step.
     unit: f64,
+    /// Its reciprocal.
+    per_unit: f64,
     /// `wx^2` and `wy^2`, floored to steps.
     weights: [f64; 2],
     /// Height interval of each column, x fastest.
@@ -90,7 +90,7 @@ impl Boxes {
             }
         });
         let weights = [weight(x, nx), weight(y, ny)];
-        Self { domain: *domain, size, unit, weights, columns }
+        Self { domain: *domain, size, unit, per_unit: 1.0 / unit, weights, columns }
     }
 
     /// Lowest and highest raw height of slab `k`.
@@ -100,12 +100,11 @@ impl Boxes {
     }
 
     /// Squared vertical gap between a slab and heights `[lo, hi]`, in integer steps.
-    #[inline]
+    #[inline(always)]
     pub fn vertical(&self, slab: (f64, f64), (lo, hi): (f32, f32)) -> f64 {
-        let gap = (f64::from(lo) - slab.1).max(slab.0 - f64::from(hi)).max(0.0);
+        let gap = larger(larger(f64::from(lo) - slab.1, slab.0 - f64::from(hi)), 0.0);
         let gap = gap * self.domain.metric.z;
-        // Below 2^53: the cast is the floor, without a call.
-        (gap * gap / self.unit) as i64 as f64
+        whole(gap * gap * self.per_unit)
     }
 
     /// Squared distance across `gap` whole voxels along `axis`, in integer steps.
@@ -115,7 +114,7 @@ impl Boxes {
     }
 
     /// The distance of a squared distance in steps.
-    #[inline]
+    #[inline(always)]
     pub fn distance(&self, steps: f64) -> f64 {
         (steps * self.unit).sqrt()
     }
@@ -127,42 +126,85 @@ impl Boxes {
 
     /// The codes of all voxels; slabs in parallel.
     pub fn codes<C: Code>(&self, quantiser: &Quantiser) -> Vec<C> {
+        self.codes_at(SimdLevel::detect(), quantiser)
+    }
+
+    /// The codes of all voxels, made with given vector instructions.
+    fn codes_at<C: Code>(&self, level: SimdLevel, quantiser: &Quantiser) -> Vec<C> {
         let [nx, ny, nz] = self.size.map(|n| n as usize);
         let mut codes = vec![C::default(); nx * ny * nz];
         codes.par_chunks_mut(nx * ny).enumerate().for_each_init(
             || Work::new(nx, ny),
-            |work, (k, slab)| {
-                self.fill(k as u32, work, |at, steps| {
-                    slab[at] = C::store(quantiser.code(self.distance(steps)));
-                });
+            |work, (k, codes)| {
+                let slab = self.slab(k as u32);
+                simd::run(level, Slab { boxes: self, slab, quantiser, work, codes });
             },
         );
         codes
     }
+}
 
-    /// Transforms slab `k` and hands each voxel's index in it and squared distance to `put`.
-    fn fill(&self, k: u32, work: &mut Work, mut put: impl FnMut(usize, f64)) {
-        let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
-        let slab = self.slab(k);
-        for (row, columns) in work.steps.chunks_mut(nx).zip(self.columns.chunks(nx)) {
-            for (f, &column) in row.iter_mut().zip(columns) {
-                *f = self.vertical(slab, column);
+/// The largest whole number not above `x`, of numbers from 0 to 2^51: without a call, and eight at a
+/// time.
+#[inline(always)]
+fn whole(x: f64) -> f64 {
+    let near = (x + TWO_52) - TWO_52;
+    if near > x { near - 1.0 } else { near }
+}
+
+/// From here on, floats are whole numbers.
+const TWO_52: f64 = (1u64 << 52) as f64;
+
+/// A slab in the making.
+struct Slab<'a, C> {
+    boxes: &'a Boxes,
+    /// Its lowest and highest raw height.
+    slab: (f64, f64),
+    quantiser: &'a Quantiser,
+    work: &'a mut Work,
+    codes: &'a mut [C],
+}
+
+impl<C: Code> Kernel for Slab<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { boxes, slab, quantiser, work, codes } = self;
+        let (nx, ny) = (boxes.size[0] as usize, boxes.size[1] as usize);
+        let Work { steps, row, lines, erosion } = work;
+        let bands = steps.chunks_mut(LINES * nx).zip(boxes.columns.chunks(LINES * nx));
+        for (band, columns) in bands {
+            let lines = &mut lines[..nx];
+            for (lane, columns) in columns.chunks(nx).enumerate() {
+                for (step, &column) in row.iter_mut().zip(columns) {
+                    *step = boxes.vertical(slab, column);
+                }
+                for (place, &step) in lines.iter_mut().zip(&*row) {
+                    place[lane] = step;
+                }
             }
-            work.envelope.transform(self.weights[0], row);
+            erosion.transform(boxes.weights[0], lines);
+            for (lane, band) in band.chunks_mut(nx).enumerate() {
+                for (step, place) in band.iter_mut().zip(&*lines) {
+                    *step = place[lane];
+                }
+            }
         }
         for first in (0..nx).step_by(LINES) {
             let width = LINES.min(nx - first);
-            for j in 0..ny {
-                for (c, &f) in work.steps[j * nx + first..][..width].iter().enumerate() {
-                    work.lines[c * ny + j] = f;
+            let lines = &mut lines[..ny];
+            for (place, row) in lines.iter_mut().zip(steps.chunks(nx)) {
+                match row[first..].first_chunk::<LINES>() {
+                    Some(whole) => *place = *whole,
+                    None => place[..width].copy_from_slice(&row[first..]),
                 }
             }
-            for line in work.lines.chunks_mut(ny).take(width) {
-                work.envelope.transform(self.weights[1], line);
-            }
-            for j in 0..ny {
-                for c in 0..width {
-                    put(j * nx + first + c, work.lines[c * ny + j]);
+            erosion.transform(boxes.weights[1], lines);
+            for (place, row) in lines.iter().zip(codes.chunks_mut(nx)) {
+                let found = place.map(|steps| quantiser.code(boxes.distance(steps)));
+                for (code, found) in row[first..first + width].iter_mut().zip(found) {
+                    *code = C::store(found);
                 }
             }
         }
@@ -172,22 +214,26 @@ impl Boxes {
 /// A thread's working memory for one slab.
 struct Work {
     steps: Vec<f64>,
-    lines: Vec<f64>,
-    envelope: Envelope,
+    row: Vec<f64>,
+    lines: Vec<Place>,
+    erosion: Erosion,
 }
 
 impl Work {
     fn new(nx: usize, ny: usize) -> Self {
+        let longest = nx.max(ny);
         Self {
             steps: vec![0.0; nx * ny],
-            lines: vec![0.0; LINES * ny],
-            envelope: Envelope::new(nx.max(ny)),
+            row: vec![0.0; nx],
+            lines: vec![[0.0; LINES]; longest],
+            erosion: Erosion::new(longest),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::codes::quantum;
     use super::super::fixtures::{Random, cases};
     use super::*;
     use crate::map::{
@@ -196,6 +242,30 @@ mod tests {
 
     /// Sizes below, at and above the number of cells, none dividing the other.
     const SIZES: [[u32; 3]; 3] = [[3, 4, 5], [7, 5, 2], [17, 13, 9]];
+
+    #[test]
+    fn every_level_makes_the_same_codes() {
+        for (map, metric) in cases() {
+            let domain = Domain::of(&map, metric).unwrap();
+            for size in SIZES {
+                let boxes = Boxes::new(&map, &domain, size);
+                let bits = DistanceBits::U16;
+                let quantiser = Quantiser::new(&domain, quantum(&domain, bits), bits);
+                let want = boxes.codes_at::<u16>(SimdLevel::PORTABLE, &quantiser);
+                for &level in SimdLevel::available() {
+                    assert_eq!(boxes.codes_at::<u16>(level, &quantiser), want, "{level}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_floors() {
+        let last = (1u64 << 51) as f64;
+        for x in [0.0, 0.3, 0.5, 0.999, 1.0, 1.5, 2.5, 1e9 + 0.75, last - 0.25, last] {
+            assert_eq!(whole(x), x.floor());
+        }
+    }
 
     #[test]
     fn divisions_own_the_cells_they_overlap_and_no_neighbour() {

@@ -95,20 +95,26 @@ impl Code for u16 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantiser {
     quantum: f64,
+    /// Its reciprocal.
+    per_quantum: f64,
     margin: f64,
     max: u32,
 }
 
 impl Quantiser {
     pub fn new(domain: &Domain, quantum: f64, bits: DistanceBits) -> Self {
-        Self { quantum, margin: domain.margin(), max: bits.max_code() }
+        let max = bits.max_code();
+        Self { quantum, per_quantum: 1.0 / quantum, margin: domain.margin(), max }
     }
 
     /// Largest code whose value is not above `distance` less the margin; 0 if there is none.
-    #[inline]
+    #[inline(always)]
     pub fn code(&self, distance: f64) -> u32 {
-        // The cast rounds towards zero and takes negative numbers to 0.
-        (((distance - self.margin) / self.quantum) as u32).min(self.max)
+        let steps = (distance - self.margin) * self.per_quantum;
+        let steps = if steps > 0.0 { steps } else { 0.0 };
+        let steps = if steps < f64::from(self.max) { steps } else { f64::from(self.max) };
+        // Below 2^16: the cast is the floor.
+        steps as i32 as u32
     }
 
     /// A distance that certainly gets `code` or a higher one, little above the least that does.

@@ -30,6 +30,7 @@ mod codes;
 mod corrected;
 mod default_size;
 mod domain;
+mod erosion;
 mod exact;
 #[cfg(test)]
 mod fixtures;
