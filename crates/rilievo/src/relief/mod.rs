@@ -32,6 +32,7 @@ mod options;
 mod placement;
 mod refine;
 mod shading;
+mod shell;
 mod tile;
 mod trace;
 mod walk;

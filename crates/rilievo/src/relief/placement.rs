@@ -11,6 +11,7 @@ use crate::ray::{Origin, Part, Ray, Wall};
 
 use super::leaf;
 use super::map_ray::{ExactRay, MapRay, Window};
+use super::shell::{ClippedRay, LatticeRay, Shell};
 use super::options::Displacement;
 
 /// A height map laid on a parallelogram.
@@ -60,10 +61,10 @@ impl Placement {
         let normal = edge_u.cross(edge_v).normalize();
         let (low, high) = heights.raw_range();
         let size = low.abs().max(high.abs());
-        let pad = 64.0 * f64::from(leaf::slack(size));
         let raw_per_length = 1.0 / (scale * heights.unit());
         let extent = edge_u.length().max(edge_v.length());
         let least = (extent * raw_per_length.abs()) as f32 * 2.0f32.powi(-10);
+        let pad = 64.0 * f64::from(leaf::slack(size.max(least)));
         let raw_zero = zero / heights.unit();
         let per_uvw = DVec3::new(
             tile[0] * f64::from(heights.x().period()),
@@ -114,56 +115,53 @@ impl Placement {
     /// walls down to offset 0 in the box.
     #[inline(always)]
     pub fn map_ray(&self, ray: &Ray, closed: bool) -> Option<MapRay> {
-        let mut origin = self.lattice_from_world * (ray.origin - self.corner) + self.lattice_corner;
-        let direction = self.lattice_from_world * ray.direction;
-        // Not finite: the product with 0 is NaN.
-        if (origin + direction).dot(DVec3::ZERO) != 0.0 {
-            return None;
-        }
-        let mut lift = 0.0;
+        let shell = self.shell(closed);
+        let mut start = LatticeRay {
+            origin: self.lattice_from_world * (ray.origin - self.corner) + self.lattice_corner,
+            direction: self.lattice_from_world * ray.direction,
+            lift: 0.0,
+            t_max: ray.t_max,
+        };
         if let Some(Origin { part, front, .. }) = ray.from {
             match part {
-                Part::Wall(wall) => self.leave_wall(wall, &mut origin, direction)?,
-                _ => lift = if front == self.rises { self.lift } else { -self.lift },
+                Part::Wall(wall) => {
+                    self.leave_wall(wall, &mut start.origin, start.direction)?;
+                }
+                _ => start.lift = if front == self.rises { self.lift } else { -self.lift },
             }
         }
+        let clipped = shell.clip(&start);
+        clipped.valid.then(|| self.rounded(&clipped, start.lift))
+    }
+
+    /// The box in which rays are walked.
+    #[inline(always)]
+    pub fn shell(&self, closed: bool) -> Shell {
         let [low, high] = self.culled;
+        let pad = high - self.range[1];
         let (mut floor, mut roof) = (low, high);
         if closed {
-            let pad = high - self.range[1];
             (floor, roof) = (low.min(self.raw_zero - pad), high.max(self.raw_zero + pad));
         }
-        let beyond = high - self.range[1] + lift.abs();
+        let beyond = pad + self.lift;
         let Window { lo, hi } = self.window;
-        let low_corner = DVec3::new(lo[0] - 1.0, lo[1] - 1.0, floor - beyond);
-        let high_corner = DVec3::new(hi[0] + 1.0, hi[1] + 1.0, roof + beyond);
-        let inv = reciprocal(direction);
-        let (t_in, t_out) = clip(origin, inv, [low_corner, high_corner]);
-        let length = t_out - t_in;
-        // Empty, endless (all directions zero) or behind the ray's end.
-        if !(length > 0.0 && length < f64::INFINITY && t_in <= ray.t_max) {
-            return None;
+        Shell {
+            low: DVec3::new(lo[0] - 1.0, lo[1] - 1.0, floor - beyond),
+            high: DVec3::new(hi[0] + 1.0, hi[1] + 1.0, roof + beyond),
+            culled: self.culled,
         }
-        let start = origin + t_in * direction;
-        let part = 1.0 / length;
-        // The ray's own end, a little widened, and the part within the height range.
-        let own_end = if ray.t_max < t_out { (ray.t_max - t_in) * part } else { f64::INFINITY };
-        let end = smaller64(own_end * (1.0 + 1e-6) + 1e-9, 1.0);
-        let z = start.z + lift;
-        let cull = if direction.z == 0.0 {
-            if z < low || z > high { [1.0, 0.0] } else { [0.0, end] }
-        } else {
-            let scale = inv.z * part;
-            let (a, b) = ((low - z) * scale, (high - z) * scale);
-            [smaller64(a, b).max(0.0), smaller64(larger64(a, b), end)]
-        };
+    }
+
+    /// A clipped ray, rounded for the walk.
+    #[inline(always)]
+    pub fn rounded(&self, ray: &ClippedRay, lift: f64) -> MapRay {
         let exact = ExactRay {
-            origin: start.to_array(),
-            direction: (direction * length).to_array(),
-            t_start: t_in,
-            t_length: length,
+            origin: ray.start.to_array(),
+            direction: ray.direction.to_array(),
+            t_start: ray.t_start,
+            t_length: ray.t_length,
         };
-        Some(MapRay::new(exact, &self.window, (lift, self.range), (cull, own_end)))
+        MapRay::new(exact, &self.window, (lift, self.range), (ray.cull, ray.end))
     }
 
     /// Puts a ray that starts on a wall exactly on the wall's line. None if it leaves the face for
@@ -209,34 +207,3 @@ fn whole_runs(heights: &HeightMap, window: &Window) -> Option<[Run; 2]> {
     Some([whole(heights.x(), 0)?, whole(heights.y(), 1)?])
 }
 
-/// The larger of two numbers, the second if one is NaN: one instruction.
-#[inline(always)]
-fn larger64(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The smaller of two numbers, the second if one is NaN.
-#[inline(always)]
-fn smaller64(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// `1 / d`, and a huge number instead of an infinite one, so that its product with 0 is 0.
-#[inline(always)]
-fn reciprocal(d: DVec3) -> DVec3 {
-    let one = |d: f64| if d.abs() > 1e-280 { 1.0 / d } else { 1e280f64.copysign(d) };
-    DVec3::new(one(d.x), one(d.y), one(d.z))
-}
-
-/// Parameters at which a line is inside a box, not before 0; the first is not below the second if
-/// it passes by. `inv` are the reciprocals of its direction.
-#[inline(always)]
-fn clip(origin: DVec3, inv: DVec3, [low, high]: [DVec3; 2]) -> (f64, f64) {
-    let (a, b) = ((low - origin) * inv, (high - origin) * inv);
-    let enter = larger64(
-        larger64(smaller64(a.x, b.x), smaller64(a.y, b.y)),
-        larger64(smaller64(a.z, b.z), 0.0),
-    );
-    let leave = smaller64(smaller64(larger64(a.x, b.x), larger64(a.y, b.y)), larger64(a.z, b.z));
-    (enter, leave)
-}
