@@ -18,6 +18,7 @@ use crate::simd::{self, Kernel, Lanes};
 use super::Relief;
 use super::method::Method;
 use super::options::{Displacement, FaceOptions};
+use super::packet::PACKET;
 use super::placement::Placement;
 use super::shading::{MapAxes, Shading};
 use super::trace::{Crossing, Place, Trace};
@@ -193,6 +194,24 @@ impl ReliefFace {
         simd::run(self.options.simd, FirstCrossing { face: self, ray, probe })
     }
 
+    /// [`ReliefFace::first_crossing`] of many rays, bit for bit the same; `found` takes one answer a
+    /// ray. Worth it for runs of 16 rays that start close together and go about the same way, like
+    /// those of one pixel.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn first_crossings<P: Probe>(
+        &self,
+        rays: &[Ray],
+        found: &mut [Option<Crossing>],
+        probe: &mut P,
+    ) {
+        assert_eq!(rays.len(), found.len(), "one answer a ray");
+        for (rays, found) in rays.chunks(PACKET).zip(found.chunks_mut(PACKET)) {
+            simd::run(self.options.simd, FirstCrossings { face: self, rays, found, probe });
+        }
+    }
+
     /// The hit of a crossing that [`ReliefFace::first_crossing`] found for this ray. `hit.surface`
     /// is 0.
     pub fn complete(&self, ray: &Ray, crossing: &Crossing) -> Hit {
@@ -258,6 +277,34 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
         let trace = Trace { placement, relief, options };
         let crossing = trace.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe)?;
         (crossing.t <= ray.t_max).then_some(crossing)
+    }
+}
+
+/// At most [`PACKET`] rays against one face.
+struct FirstCrossings<'a, P> {
+    face: &'a ReliefFace,
+    rays: &'a [Ray],
+    found: &'a mut [Option<Crossing>],
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for FirstCrossings<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { face, rays, found, probe } = self;
+        let ReliefFace { placement, relief, options, .. } = face;
+        let mut map_rays = [None; PACKET];
+        for (to, ray) in map_rays.iter_mut().zip(rays) {
+            *to = placement.map_ray(ray, options.closed).map(|r| (r, ray.from.is_some()));
+        }
+        found.fill(None);
+        let trace = Trace { placement, relief, options };
+        trace.first_crossings::<L, P>(&map_rays[..rays.len()], found, probe);
+        for (found, ray) in found.iter_mut().zip(rays) {
+            *found = found.filter(|crossing| crossing.t <= ray.t_max);
+        }
     }
 }
 

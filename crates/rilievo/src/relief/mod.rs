@@ -29,6 +29,7 @@ mod leaf;
 mod map_ray;
 mod method;
 mod options;
+mod packet;
 mod placement;
 mod refine;
 mod shading;

@@ -6,13 +6,14 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::map::{Axis, HeightMap, Run};
+use crate::map::{Axis, HeightMap};
 use crate::ray::{Origin, Part, Ray, Wall};
 
 use super::leaf;
 use super::map_ray::{ExactRay, MapRay, Window};
-use super::shell::{ClippedRay, LatticeRay, Shell};
 use super::options::Displacement;
+use super::shell::{ClippedRay, LatticeRay, Shell};
+use super::walk::Unfolding;
 
 /// A height map laid on a parallelogram.
 #[derive(Clone, Debug)]
@@ -29,8 +30,8 @@ pub(crate) struct Placement {
     pub displacement: Displacement,
     /// The face's border in lattice space.
     pub window: Window,
-    /// The runs of both axes that hold the whole window, if one of each does.
-    pub runs: Option<[Run; 2]>,
+    /// How the window shows the map, if it lies in one run of each axis.
+    pub unfolding: Option<[Unfolding; 2]>,
     /// Raw height that lies on the face.
     pub raw_zero: f64,
     /// Raw heights per scene unit along the normal.
@@ -81,7 +82,7 @@ impl Placement {
             lattice_from_world: DMat3::from_diagonal(per_uvw) * uvw_from_world,
             lattice_corner: DVec3::new(window.lo[0], window.lo[1], raw_zero),
             displacement,
-            runs: whole_runs(heights, &window),
+            unfolding: whole_runs(heights, &window),
             window,
             raw_zero,
             raw_per_length,
@@ -196,14 +197,13 @@ impl Placement {
 }
 
 /// The runs of both axes that hold the whole window, if one of each does.
-fn whole_runs(heights: &HeightMap, window: &Window) -> Option<[Run; 2]> {
+fn whole_runs(heights: &HeightMap, window: &Window) -> Option<[Unfolding; 2]> {
     let whole = |axis: &Axis, k: usize| {
         let (lo, hi) = (window.lo[k].floor(), window.hi[k].ceil());
         // Cells are counted in `i32`; a larger window is refused later.
         let countable = lo.abs().max(hi.abs()) < f64::from(1 << 24);
         let run = countable.then(|| axis.run(lo as i32))?;
-        (run.end() >= hi as i32).then_some(run)
+        (run.end() >= hi as i32).then(|| Unfolding::of(&run))
     };
     Some([whole(heights.x(), 0)?, whole(heights.y(), 1)?])
 }
-

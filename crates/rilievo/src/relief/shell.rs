@@ -53,10 +53,8 @@ impl Shell {
             larger64(smaller64(a.x, b.x), smaller64(a.y, b.y)),
             larger64(smaller64(a.z, b.z), 0.0),
         );
-        let leave = smaller64(
-            smaller64(larger64(a.x, b.x), larger64(a.y, b.y)),
-            larger64(a.z, b.z),
-        );
+        let leave =
+            smaller64(smaller64(larger64(a.x, b.x), larger64(a.y, b.y)), larger64(a.z, b.z));
         let length = leave - enter;
         let part = 1.0 / length;
         let own = if t_max < leave { (t_max - enter) * part } else { f64::INFINITY };

@@ -13,6 +13,7 @@ use super::leaf::{Crossings, LeafHit};
 use super::map_ray::{MapRay, larger, smaller};
 use super::method::Method;
 use super::options::FaceOptions;
+use super::packet::{PacketRays, walk_packet};
 use super::placement::Placement;
 use super::refine::refine;
 use super::tile::Tile;
@@ -55,6 +56,16 @@ enum Met {
     },
 }
 
+/// What of a face lies on a ray's way.
+enum Framed {
+    /// One run of the map, without walls: the ray can go in a packet.
+    Window(TileFrame),
+    /// Several tiles, walls, or another method than the pyramid's.
+    Tiles,
+    /// Nothing.
+    Nothing,
+}
+
 /// A face as its rays see it.
 #[derive(Clone, Copy)]
 pub(crate) struct Trace<'a> {
@@ -93,6 +104,60 @@ impl Trace<'_> {
         }
         let met = first_met::<L, P>(self, ray, probe)?;
         Some(self.refined(ray, met))
+    }
+
+    /// The first crossing of each of some rays, at most [`PACKET`]; `rays` of other lanes are passed
+    /// over.
+    #[inline(always)]
+    pub fn first_crossings<L: Lanes, P: Probe>(
+        &self,
+        rays: &[Option<(MapRay, bool)>],
+        found: &mut [Option<Crossing>],
+        probe: &mut P,
+    ) {
+        let mut packet: Option<PacketRays> = None;
+        for (lane, (ray, found)) in rays.iter().zip(found.iter_mut()).enumerate() {
+            let Some((ray, spawned)) = ray else { continue };
+            let frame = match self.frame(ray) {
+                Framed::Window(frame) => frame,
+                Framed::Nothing => continue,
+                Framed::Tiles => {
+                    *found = self.first_crossing::<L, P>(ray, *spawned, probe);
+                    continue;
+                }
+            };
+            match &mut packet {
+                None => packet = Some(PacketRays::new(lane, ray, &frame)),
+                Some(packet) => {
+                    if !packet.take(lane, ray, &frame) {
+                        *found = self.first_crossing::<L, P>(ray, *spawned, probe);
+                    }
+                }
+            }
+        }
+        let Some(packet) = packet else { return };
+        let maps = (self.relief.heights(), self.relief.pyramid());
+        let hits = walk_packet::<L, P>(maps, &packet, self.admitted(), probe);
+        for (lane, hit) in hits.into_iter().enumerate() {
+            if let Some(hit) = hit {
+                found[lane] = Some(self.refined(packet.ray(lane).0, Met::Surface(hit)));
+            }
+        }
+    }
+
+    /// How a ray may be walked in a packet.
+    #[inline(always)]
+    fn frame(&self, ray: &MapRay) -> Framed {
+        let Some(unfolding) = self.placement.unfolding else { return Framed::Tiles };
+        if self.options.method != Method::Pyramid || self.options.closed {
+            return Framed::Tiles;
+        }
+        let Some((enter, leave)) = ray.window_span() else { return Framed::Nothing };
+        if larger(enter, ray.cull[0]) < smaller(leave, ray.cull[1]) {
+            Framed::Window(TileFrame::of_window(ray, unfolding, (enter, leave)))
+        } else {
+            Framed::Nothing
+        }
     }
 
     /// Whether there is a crossing up to the ray's end, for exact methods: without the refinement
@@ -164,14 +229,13 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
     let start = larger(enter, ray.cull[0]);
     let stop = smaller(leave, ray.cull[1]);
     if start < stop {
-        let runs = face.placement.runs.as_ref();
-        let met = match runs.filter(|_| face.options.method == Method::Pyramid) {
-            Some(runs) => {
-                let frame = TileFrame::of_window(ray, runs, (enter, leave));
+        let met = match face.placement.unfolding {
+            Some(unfolding) if face.options.method == Method::Pyramid => {
+                let frame = TileFrame::of_window(ray, unfolding, (enter, leave));
                 let maps = (heights, face.relief.pyramid());
                 walk_pyramid::<L, P>(maps, ray, &frame, face.admitted(), probe).map(Met::Surface)
             }
-            None => walk_tiles::<L, P>(face, ray, [start, stop], probe),
+            _ => walk_tiles::<L, P>(face, ray, [start, stop], probe),
         };
         if met.is_some() {
             return met;

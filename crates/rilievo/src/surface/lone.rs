@@ -80,10 +80,15 @@ impl Lone {
         let Some(face) = self.face(surfaces) else { return };
         for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
             let mut crossings = [None; PACKET];
-            for (ray, crossing) in rays.iter().zip(&mut crossings) {
-                *crossing = face.first_crossing(seen_by(self.index, ray, &mut None), probe);
+            let crossings = &mut crossings[..rays.len()];
+            if rays.iter().all(|ray| ray.from.is_none()) {
+                face.first_crossings(rays, crossings, probe);
+            } else {
+                for (ray, crossing) in rays.iter().zip(crossings.iter_mut()) {
+                    *crossing = face.first_crossing(seen_by(self.index, ray, &mut None), probe);
+                }
             }
-            for ((ray, hit), crossing) in rays.iter().zip(hits).zip(&crossings) {
+            for ((ray, hit), crossing) in rays.iter().zip(hits).zip(crossings.iter()) {
                 self.answer((surfaces, face), ray, crossing.as_ref(), (hit, probe));
             }
         }

@@ -39,8 +39,8 @@ impl TileFrame {
     /// The frame of a window that lies in one run of each axis; the ray enters and leaves it at
     /// `span`.
     #[inline(always)]
-    pub fn of_window(ray: &MapRay, [x, y]: &[Run; 2], span: (f32, f32)) -> Self {
-        let (x, y) = (mirrored(ray, x, 0), mirrored(ray, y, 1));
+    pub fn of_window(ray: &MapRay, [x, y]: [Unfolding; 2], span: (f32, f32)) -> Self {
+        let (x, y) = (x.mirrored(ray, 0), y.mirrored(ray, 1));
         Self {
             origin: [x.0, y.0],
             turn: [x.1, y.1],
@@ -58,10 +58,28 @@ impl TileFrame {
     }
 }
 
-/// Mirrored cell of forward cell 0 along an axis, and the turn.
-#[inline(always)]
-fn mirrored(ray: &MapRay, run: &Run, axis: usize) -> (i32, i32) {
-    let shown = run.stored(ray.unfolded(axis, 0));
-    let turn = -i32::from(ray.backward[axis] != run.flipped);
-    (shown ^ turn, turn)
+/// How unfolded cells show the stored cells of one run, in either direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unfolding {
+    /// The stored cell that unfolded cell 0 shows, or would.
+    zero: i32,
+    /// -1 where stored cells fall as unfolded cells rise, else 0.
+    turn: i32,
+}
+
+impl Unfolding {
+    /// That of a run.
+    pub fn of(run: &Run) -> Self {
+        Self { zero: run.stored(0), turn: -i32::from(run.flipped) }
+    }
+
+    /// Mirrored cell of a ray's forward cell 0, and the turn.
+    #[inline(always)]
+    fn mirrored(self, ray: &MapRay, axis: usize) -> (i32, i32) {
+        let backward = -i32::from(ray.backward[axis]);
+        let first = ray.base[axis] + backward;
+        let shown = self.zero + (first ^ self.turn) - self.turn;
+        let turn = self.turn ^ backward;
+        (shown ^ turn, turn)
+    }
 }

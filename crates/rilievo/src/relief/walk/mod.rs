@@ -11,7 +11,7 @@
 //!
 //! **Stack.** Sixteen bits a level, the deepest level in the lowest: the position of the lowest set
 //! bit names level and lane, and clearing low bits of the current `g` names the node. Levels 0 to 3
-//! (1024 cells a side) are one 64-bit word; a second one is looked at when the first is empty.
+//! (1024 cells a side) are one 64-bit word; others are looked at when it is empty.
 //!
 //! **Climb.** A ray that starts inside the height range starts at the level-0 node of its own cell.
 //! When nothing is left to do, the parent is tested with the lanes up to the child just left
@@ -34,7 +34,9 @@
 
 mod block;
 mod frame;
+mod gaps;
 mod node;
+mod stack;
 
 use crate::map::{HeightMap, Pyramid};
 use crate::probe::Probe;
@@ -42,13 +44,14 @@ use crate::simd::Lanes;
 
 use super::leaf::{Crossings, LeafHit};
 use super::map_ray::MapRay;
-use block::Blocks;
 use node::Nodes;
+use stack::lane_of;
 
-pub(crate) use frame::TileFrame;
-
-/// Levels in the first word of the stack.
-const LOW_LEVELS: u32 = 4;
+pub(crate) use block::{Blocks, PLACES, block_corners};
+pub(crate) use frame::{TileFrame, Unfolding};
+pub(crate) use gaps::LaneRay;
+pub(crate) use node::{LINES, Side, bound};
+pub(crate) use stack::{Stack, child};
 
 /// The first admitted crossing in a tile, found through the pyramid.
 #[inline(always)]
@@ -68,66 +71,31 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
         Some(start) => (0, start.last_level.min(top), start.cell),
         None => (top, top, frame.turn),
     };
-    let [mut x, mut y] = home;
-    let (mut todo, mut high) = (0u64, 0u64);
+    let mut at = home;
+    let mut stack = Stack::default();
     loop {
-        if todo != 0 {
-            let bit = todo.trailing_zeros();
-            todo &= todo - 1;
-            let (level, lane) = (bit / 16, (bit % 16) as i32);
-            [x, y] = child([x, y], level, lane);
-            if level == 0 {
-                probe.cell();
-                if let Some(hit) = blocks.first_hit::<L>([x, y], admit) {
-                    return Some(hit);
-                }
-            } else {
+        if let Some((level, lane)) = stack.pop() {
+            at = child(at, level, lane);
+            if level > 0 {
                 probe.node();
-                todo |= u64::from(nodes.met::<L>(level - 1, [x, y])) << (16 * (level - 1));
+                stack.push(level - 1, nodes.met::<L>(level - 1, at));
+                continue;
             }
-        } else if high != 0 {
-            let bit = high.trailing_zeros();
-            high &= high - 1;
-            let (level, lane) = (bit / 16 + LOW_LEVELS, (bit % 16) as i32);
-            [x, y] = child([x, y], level, lane);
-            probe.node();
-            push((&mut todo, &mut high), level - 1, nodes.met::<L>(level - 1, [x, y]));
+            probe.cell();
+            if let Some(hit) = blocks.first_hit::<L>(at, admit) {
+                return Some(hit);
+            }
         } else if next <= last {
-            [x, y] = home;
+            at = home;
             probe.node();
-            let mut mask = nodes.met::<L>(next, home);
+            let mut lanes = nodes.met::<L>(next, home);
             if next > 0 && start.is_some() {
-                mask &= !1u16 << lane_of(home, next);
+                lanes &= !1u16 << lane_of(home, next);
             }
-            push((&mut todo, &mut high), next, mask);
+            stack.push(next, lanes);
             next += 1;
         } else {
             return None;
         }
     }
-}
-
-/// Adds the lanes of a node to the words of the stack.
-#[inline(always)]
-fn push((low, high): (&mut u64, &mut u64), level: u32, mask: u16) {
-    if level < LOW_LEVELS {
-        *low |= u64::from(mask) << (16 * level);
-    } else {
-        *high |= u64::from(mask) << (16 * (level - LOW_LEVELS));
-    }
-}
-
-/// Corner of the block at a lane of the node of `level` that holds `cell`.
-#[inline(always)]
-fn child(cell: [i32; 2], level: u32, lane: i32) -> [i32; 2] {
-    let side = 2 * level + 2;
-    let node = -1i32 << (side + 2);
-    [(cell[0] & node) + ((lane & 3) << side), (cell[1] & node) + ((lane >> 2) << side)]
-}
-
-/// The lane that holds `cell` in its node of `level`.
-#[inline(always)]
-fn lane_of(cell: [i32; 2], level: u32) -> u32 {
-    let [x, y] = cell.map(|g| (g >> (2 * level + 2)) as u32 & 3);
-    4 * y + x
 }

@@ -1,23 +1,23 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
 use crate::map::{NodeBounds, Pyramid};
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
 use super::super::map_ray::{MapRay, larger, smaller};
 use super::TileFrame;
 
 /// Offsets of the lines of a node's blocks from its corner, cells: near and far lines in x and y.
-struct Lines {
-    near: [[f32; WIDTH]; 2],
-    far: [[f32; WIDTH]; 2],
+pub(crate) struct Lines {
+    pub near: [[f32; WIDTH]; 2],
+    pub far: [[f32; WIDTH]; 2],
 }
 
 /// Levels that a map of 2^24 cells a side has.
 const LEVELS: usize = 12;
 
 /// The lines of every level; filled up to a power of two, so that an index needs no check.
-static LINES: [Lines; 16] = {
+pub(crate) static LINES: [Lines; 16] = {
     const NONE: Lines = Lines { near: [[0.0; WIDTH]; 2], far: [[0.0; WIDTH]; 2] };
     let mut table = [NONE; 16];
     let mut k = 0;
@@ -48,7 +48,7 @@ pub(super) struct Start {
 
 /// Which bounds.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub(crate) enum Side {
     Upper,
     Lower,
 }
@@ -118,33 +118,17 @@ impl<'a> Nodes<'a> {
         let [nodes_x, _] = self.pyramid.nodes(level);
         let index =
             ((y ^ self.frame.turn[1]) as u32 * nodes_x + (x ^ self.frame.turn[0]) as u32) as usize;
-        let bounds = self.pyramid.node(level, index);
+        let bounds = (&self.pyramid.node(level, index), self.frame.mirror());
         let (dz, sinks) = (L::splat(self.ray.dz), L::all(self.ray.dz < 0.0));
         let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
-        let mut met = L::and(near.below(far), lowest.at_most(self.bound(&bounds, Side::Upper)));
+        let mut met =
+            L::and(near.below(far), lowest.at_most(bound(self.pyramid, bounds, Side::Upper)));
         if !self.ray.above {
             let highest = near.where_else(sinks, far).times(dz).plus(L::splat(self.oz[1]));
-            let bound: L = self.bound(&bounds, Side::Lower);
-            met = L::and(met, bound.at_most(highest));
+            let min: L = bound(self.pyramid, bounds, Side::Lower);
+            met = L::and(met, min.at_most(highest));
         }
         L::bits(met)
-    }
-
-    /// Upper or lower bounds of a node's children, raw heights.
-    #[inline(always)]
-    fn bound<L: Lanes>(&self, bounds: &NodeBounds<'_>, side: Side) -> L {
-        let code = self.pyramid.code();
-        let codes = match *bounds {
-            NodeBounds::Wide { max, min } => {
-                L::from_u16(if side == Side::Upper { max } else { min }, self.frame.mirror())
-            }
-            NodeBounds::Tiny { max, min, base, step } => {
-                let steps =
-                    L::from_u8(if side == Side::Upper { max } else { min }, self.frame.mirror());
-                L::splat(base).plus(steps.times(L::splat(step)))
-            }
-        };
-        L::splat(code.base).plus(codes.times(L::splat(code.step)))
     }
 
     /// Parameters of the near and far lines of a node's children; the node begins at `line`.
@@ -157,4 +141,24 @@ impl<'a> Nodes<'a> {
             base.plus(L::load(&lines.far[axis])).minus(o).times(inv),
         )
     }
+}
+
+/// Upper or lower bounds of the children of a node, raw heights, mirrored.
+#[inline(always)]
+pub(crate) fn bound<L: Lanes>(
+    pyramid: &Pyramid,
+    (bounds, mirror): (&NodeBounds<'_>, Mirror),
+    side: Side,
+) -> L {
+    let code = pyramid.code();
+    let codes = match *bounds {
+        NodeBounds::Wide { max, min } => {
+            L::from_u16(if side == Side::Upper { max } else { min }, mirror)
+        }
+        NodeBounds::Tiny { max, min, base, step } => {
+            let steps = L::from_u8(if side == Side::Upper { max } else { min }, mirror);
+            L::splat(base).plus(steps.times(L::splat(step)))
+        }
+    };
+    L::splat(code.base).plus(codes.times(L::splat(code.step)))
 }

@@ -1,0 +1,168 @@
+//! [`FatRay`]: bounds of the rays of a packet, against the children of a node.
+//!
+//! Per axis the lowest and highest start, reciprocal direction, height and slope of height. Every
+//! operation of the node test of one ray is monotone in each of these, also as rounded; so the fat
+//! ray's near parameter is at most that of any ray, its far parameter at least, and its lowest height
+//! at most. What it passes by, all rays pass by. Starts are counted in the first ray's frame: the
+//! difference of two frames is a whole number of cells, subtracted with one rounding, and the result
+//! is moved outward by one step of the float.
+
+use crate::map::Pyramid;
+use crate::simd::{Lanes, WIDTH};
+
+use super::super::leaf;
+use super::super::map_ray::{larger, smaller};
+use super::super::walk::{LINES, PLACES, Side, TileFrame, bound};
+use super::rays::PacketRays;
+
+/// The bounds of a packet.
+pub(super) struct FatRay<'a> {
+    pyramid: &'a Pyramid,
+    frame: TileFrame,
+    /// Lowest and highest.
+    o: [[f32; 2]; 2],
+    inv: [[f32; 2]; 2],
+    dz: [f32; 2],
+    /// With the slack of the cull.
+    oz: [f32; 2],
+    /// First parameter that any ray is worth walking at, and the last.
+    part: [f32; 2],
+    /// First and last line of the map, forward in the first ray's frame.
+    map: [[f32; 2]; 2],
+    /// Whether any ray may be below the surface.
+    both: bool,
+}
+
+/// Parameters between which some ray may be between two lines.
+struct Between<L: Lanes> {
+    near: L,
+    far: L,
+}
+
+impl<'a> FatRay<'a> {
+    #[inline(always)]
+    pub fn new(rays: &PacketRays, pyramid: &'a Pyramid) -> Self {
+        let lanes = &rays.lanes;
+        let frame = *rays.frame();
+        let axis = |k: usize| {
+            let mut start = [0.0; WIDTH];
+            for ((start, o), shift) in start.iter_mut().zip(&lanes.o[k]).zip(&lanes.shift[k]) {
+                *start = o - shift;
+            }
+            [lowest(&start).next_down(), highest(&start).next_up()]
+        };
+        let range = |of: &[f32; WIDTH]| [lowest(of), highest(of)];
+        let map = |k: usize| {
+            let cells = pyramid.cells()[k] as i32;
+            let first = (frame.turn[k] & -cells) - frame.origin[k];
+            [first as f32, (first + cells) as f32]
+        };
+        let (ray, _) = rays.ray(0);
+        let slack = 2.0 * leaf::slack(ray.size);
+        Self {
+            pyramid,
+            o: [axis(0), axis(1)],
+            inv: [range(&lanes.inv[0]), range(&lanes.inv[1])],
+            dz: range(&lanes.dz),
+            oz: [lowest(&lanes.oz) - slack, highest(&lanes.oz) + slack],
+            part: [lowest(&lanes.part[0]), highest(&lanes.part[1])],
+            map: [map(0), map(1)],
+            both: rays.any_may_be_below(),
+            frame,
+        }
+    }
+
+    /// The children that some ray may meet of the node of `level` that holds a mirrored cell.
+    #[inline(always)]
+    pub fn met<L: Lanes>(&self, level: u32, [x, y]: [i32; 2]) -> u16 {
+        let shift = 2 * level + 4;
+        let (x, y) = (x >> shift, y >> shift);
+        let lines = &LINES[level as usize % LINES.len()];
+        let line = |k: usize, g: i32, of: &[f32; WIDTH]| {
+            L::splat((g - self.frame.origin[k]) as f32).plus(L::load(of))
+        };
+        let (x_near, x_far) =
+            (line(0, x << shift, &lines.near[0]), line(0, x << shift, &lines.far[0]));
+        let (y_near, y_far) =
+            (line(1, y << shift, &lines.near[1]), line(1, y << shift, &lines.far[1]));
+        let (tx, ty) = (self.between(0, x_near, x_far), self.between(1, y_near, y_far));
+        let [enter, leave] = self.part;
+        let near = tx.near.larger(L::splat(enter)).larger(ty.near);
+        let far = tx.far.smaller(L::splat(leave)).smaller(ty.far);
+        // The fat ray may reach beyond the map where no ray does.
+        let on_map = L::and(self.on_map(0, x_near, x_far), self.on_map(1, y_near, y_far));
+
+        let [nodes_x, _] = self.pyramid.nodes(level);
+        let [turn_x, turn_y] = self.frame.turn;
+        let index = (y ^ turn_y) as usize * nodes_x as usize + (x ^ turn_x) as usize;
+        let bounds = (&self.pyramid.node(level, index), self.frame.mirror());
+        let [dz_low, dz_high] = self.dz;
+        let lowest = if dz_low < 0.0 { far } else { near };
+        let lowest = lowest.times(L::splat(dz_low)).plus(L::splat(self.oz[0]));
+        let max: L = bound(self.pyramid, bounds, Side::Upper);
+        let mut met = L::and(L::and(near.below(far), on_map), lowest.at_most(max));
+        if self.both {
+            let highest = if dz_high < 0.0 { near } else { far };
+            let highest = highest.times(L::splat(dz_high)).plus(L::splat(self.oz[1]));
+            let min: L = bound(self.pyramid, bounds, Side::Lower);
+            met = L::and(met, min.at_most(highest));
+        }
+        L::bits(met)
+    }
+
+    /// The cells that some ray may cross of the block at a mirrored cell.
+    #[inline(always)]
+    pub fn cells<L: Lanes>(&self, [x, y]: [i32; 2]) -> u16 {
+        let one = L::splat(1.0);
+        let x = L::splat((x - self.frame.origin[0]) as f32).plus(L::load(&PLACES[0]));
+        let y = L::splat((y - self.frame.origin[1]) as f32).plus(L::load(&PLACES[1]));
+        let (tx, ty) = (self.between(0, x, x.plus(one)), self.between(1, y, y.plus(one)));
+        let [enter, leave] = self.part;
+        let near = tx.near.larger(L::splat(enter)).larger(ty.near);
+        let far = tx.far.smaller(L::splat(leave)).smaller(ty.far);
+        L::bits(near.at_most(far))
+    }
+
+    #[inline(always)]
+    fn between<L: Lanes>(&self, axis: usize, near: L, far: L) -> Between<L> {
+        let [o_low, o_high] = self.o[axis];
+        let [inv_low, inv_high] = self.inv[axis];
+        let (inv_low, inv_high) = (L::splat(inv_low), L::splat(inv_high));
+        let near = near.minus(L::splat(o_high));
+        let far = far.minus(L::splat(o_low));
+        Between {
+            near: near.times(inv_low).smaller(near.times(inv_high)),
+            far: far.times(inv_low).larger(far.times(inv_high)),
+        }
+    }
+
+    #[inline(always)]
+    fn on_map<L: Lanes>(&self, axis: usize, near: L, far: L) -> L::Mask {
+        let [first, last] = self.map[axis];
+        L::and(L::splat(first).below(far), near.below(L::splat(last)))
+    }
+}
+
+/// The least of sixteen numbers.
+#[inline(always)]
+fn lowest(of: &[f32; WIDTH]) -> f32 {
+    let mut least = *of;
+    for half in [8, 4, 2, 1] {
+        for k in 0..half {
+            least[k] = smaller(least[k], least[k + half]);
+        }
+    }
+    least[0]
+}
+
+/// The greatest of sixteen numbers.
+#[inline(always)]
+fn highest(of: &[f32; WIDTH]) -> f32 {
+    let mut greatest = *of;
+    for half in [8, 4, 2, 1] {
+        for k in 0..half {
+            greatest[k] = larger(greatest[k], greatest[k + half]);
+        }
+    }
+    greatest[0]
+}
