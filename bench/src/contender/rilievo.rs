@@ -9,7 +9,7 @@ use rilievo::relief::{Displacement, FaceOptions, Relief, ReliefFace};
 use super::{Built, Contender, Facts, Task};
 use crate::clock::Watch;
 use crate::one_thread;
-use crate::rays::{Batch, CORNERS, widened};
+use crate::rays::{Batch, CORNERS, Row, widened};
 use crate::tally::Tally;
 
 /// A face.
@@ -22,6 +22,7 @@ pub struct Loaded<'a> {
     face: &'a ReliefFace,
     rays: Vec<Ray>,
     any_hit: bool,
+    width: usize,
 }
 
 pub fn build((contender, layout): (Contender, Layout), task: &Task<'_>) -> Result<Built, String> {
@@ -43,16 +44,16 @@ pub fn build((contender, layout): (Contender, Layout), task: &Task<'_>) -> Resul
     Ok(Built { contender, took, bytes: (bytes, bytes), facts, tracer })
 }
 
-/// One ray a call.
-pub fn widths(_batch: &Batch) -> Vec<usize> {
-    vec![1]
+/// The samples of a pixel as a packet, all others one ray a call.
+pub fn widths(batch: &Batch) -> Vec<usize> {
+    if batch.row == Row::Primary16 { vec![16] } else { vec![1] }
 }
 
 impl Tracer {
-    /// `width` is always 1.
-    pub fn load(&self, batch: &Batch, _width: usize) -> Loaded<'_> {
+    /// Calls take `width` rays.
+    pub fn load(&self, batch: &Batch, width: usize) -> Loaded<'_> {
         let rays = batch.rays.iter().map(widened).collect();
-        Loaded { face: &self.face, rays, any_hit: batch.row.is_any_hit() }
+        Loaded { face: &self.face, rays, any_hit: batch.row.is_any_hit(), width }
     }
 }
 
@@ -63,6 +64,15 @@ impl Loaded<'_> {
             for ray in &self.rays {
                 if self.face.occludes(ray, &mut ()) {
                     tally.hit(0.0);
+                }
+            }
+        } else if self.width > 1 {
+            let mut found = vec![None; self.width];
+            for rays in self.rays.chunks(self.width) {
+                let found = &mut found[..rays.len()];
+                self.face.first_crossings(rays, found, &mut ());
+                for crossing in found.iter().flatten() {
+                    tally.hit(crossing.t);
                 }
             }
         } else {
@@ -76,6 +86,10 @@ impl Loaded<'_> {
     }
 
     pub fn call(&self) -> &'static str {
-        if self.any_hit { "ReliefFace::occludes" } else { "ReliefFace::first_crossing" }
+        match (self.any_hit, self.width) {
+            (true, _) => "ReliefFace::occludes",
+            (false, 1) => "ReliefFace::first_crossing",
+            (false, _) => "ReliefFace::first_crossings",
+        }
     }
 }
