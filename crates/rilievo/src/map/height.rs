@@ -250,6 +250,7 @@ impl HeightMap {
     }
 
     /// Raw value at lattice coordinates (x, y).
+    #[inline]
     pub fn raw_at_lattice(&self, x: f64, y: f64) -> f64 {
         let (i, j) = (x.floor(), y.floor());
         let h = self.unfolded_corners(i as i32, j as i32).map(f64::from);

@@ -295,16 +295,7 @@ impl<P: Probe> Kernel for FirstCrossings<'_, P> {
     fn run<L: Lanes>(self) {
         let Self { face, rays, found, probe } = self;
         let ReliefFace { placement, relief, options, .. } = face;
-        let mut map_rays = [None; PACKET];
-        for (to, ray) in map_rays.iter_mut().zip(rays) {
-            *to = placement.map_ray(ray, options.closed).map(|r| (r, ray.from.is_some()));
-        }
-        found.fill(None);
-        let trace = Trace { placement, relief, options };
-        trace.first_crossings::<L, P>(&map_rays[..rays.len()], found, probe);
-        for (found, ray) in found.iter_mut().zip(rays) {
-            *found = found.filter(|crossing| crossing.t <= ray.t_max);
-        }
+        Trace { placement, relief, options }.first_crossings::<L, P>(rays, found, probe);
     }
 }
 

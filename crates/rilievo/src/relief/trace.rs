@@ -2,7 +2,7 @@
 
 use crate::map::{DistanceKind, HeightMap, Lattice, Wrap};
 use crate::probe::Probe;
-use crate::ray::Wall;
+use crate::ray::{Ray, Wall};
 use crate::simd::Lanes;
 
 use super::Relief;
@@ -106,41 +106,45 @@ impl Trace<'_> {
         Some(self.refined(ray, met))
     }
 
-    /// The first crossing of each of some rays, at most [`PACKET`]; `rays` of other lanes are passed
-    /// over.
+    /// The first crossing of each of at most [`super::packet::PACKET`] rays within its own end.
     #[inline(always)]
     pub fn first_crossings<L: Lanes, P: Probe>(
         &self,
-        rays: &[Option<(MapRay, bool)>],
+        rays: &[Ray],
         found: &mut [Option<Crossing>],
         probe: &mut P,
     ) {
         let mut packet: Option<PacketRays> = None;
         for (lane, (ray, found)) in rays.iter().zip(found.iter_mut()).enumerate() {
-            let Some((ray, spawned)) = ray else { continue };
-            let frame = match self.frame(ray) {
-                Framed::Window(frame) => frame,
+            *found = None;
+            let Some(map_ray) = self.placement.map_ray(ray, self.options.closed) else { continue };
+            let taken = match self.frame(&map_ray) {
                 Framed::Nothing => continue,
-                Framed::Tiles => {
-                    *found = self.first_crossing::<L, P>(ray, *spawned, probe);
-                    continue;
-                }
-            };
-            match &mut packet {
-                None => packet = Some(PacketRays::new(lane, ray, &frame)),
-                Some(packet) => {
-                    if !packet.take(lane, ray, &frame) {
-                        *found = self.first_crossing::<L, P>(ray, *spawned, probe);
+                Framed::Tiles => false,
+                Framed::Window(frame) => match &mut packet {
+                    Some(packet) => packet.take(lane, &map_ray, &frame),
+                    None => {
+                        packet = Some(PacketRays::new(lane, &map_ray, &frame));
+                        true
                     }
+                },
+            };
+            if !taken {
+                *found = self.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe);
+            }
+        }
+        if let Some(packet) = &packet {
+            let maps = (self.relief.heights(), self.relief.pyramid());
+            let hits = walk_packet::<L, P>(maps, packet, self.admitted(), probe);
+            for (lane, (hit, found)) in hits.into_iter().zip(found.iter_mut()).enumerate() {
+                if let Some(hit) = hit {
+                    *found = Some(self.refined(packet.ray(lane).0, Met::Surface(hit)));
                 }
             }
         }
-        let Some(packet) = packet else { return };
-        let maps = (self.relief.heights(), self.relief.pyramid());
-        let hits = walk_packet::<L, P>(maps, &packet, self.admitted(), probe);
-        for (lane, hit) in hits.into_iter().enumerate() {
-            if let Some(hit) = hit {
-                found[lane] = Some(self.refined(packet.ray(lane).0, Met::Surface(hit)));
+        for (ray, found) in rays.iter().zip(found) {
+            if found.as_ref().is_some_and(|crossing| crossing.t > ray.t_max) {
+                *found = None;
             }
         }
     }

@@ -25,7 +25,8 @@
 //! interval is cut to the ray's `cull` and to the tile here but not in the leaf: outside `cull` the
 //! ray is clear of the whole map's range by more than the slack, or past its own end. A ray that is
 //! known to start above the surface stays above it until its first root, so minima could not cull
-//! anything: they are not read.
+//! anything: they are not read. Where a ray starts inside the height range, one look at the surface
+//! under it tells.
 //!
 //! **Slack of the cull.** The test computes `s dz + (oz -+ c)` with `c = 2 slack` instead of
 //! `(s dz + oz) -+ slack`: one operation less. Both roundings that differ are below `ulp(2 A)` each
@@ -62,13 +63,16 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
     admit: Crossings,
     probe: &mut P,
 ) -> Option<LeafHit> {
-    let nodes = Nodes::new(pyramid, ray, frame);
+    let mut nodes = Nodes::new(pyramid, ray, frame);
     let blocks = Blocks::new(map, ray, frame);
     let top = pyramid.levels() - 1;
     let start = nodes.start();
     // The next node to test when nothing is left to do, and the last one.
     let (mut next, last, home) = match start {
-        Some(start) => (0, start.last_level.min(top), start.cell),
+        Some(start) => {
+            nodes.look_down(map);
+            (0, start.last_level.min(top), start.cell)
+        }
         None => (top, top, frame.turn),
     };
     let mut at = home;

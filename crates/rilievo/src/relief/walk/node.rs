@@ -1,6 +1,6 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
-use crate::map::{NodeBounds, Pyramid};
+use crate::map::{HeightMap, NodeBounds, Pyramid};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
@@ -62,6 +62,8 @@ pub(super) struct Nodes<'a> {
     oz: [f32; 2],
     /// The part of the ray worth walking in this tile.
     part: [f32; 2],
+    /// Whether the ray may start below the surface.
+    both: bool,
 }
 
 impl<'a> Nodes<'a> {
@@ -74,6 +76,17 @@ impl<'a> Nodes<'a> {
             frame,
             oz: [ray.oz - slack, ray.oz + slack],
             part: [larger(frame.enter, ray.cull[0]), smaller(frame.leave, ray.cull[1])],
+            both: !ray.above,
+        }
+    }
+
+    /// Looks at the surface under a start inside the height range: a ray that starts above it needs
+    /// no minima. Only time is at stake, no root.
+    #[inline(always)]
+    pub fn look_down(&mut self, map: &HeightMap) {
+        if self.both {
+            let [x, y, z] = self.ray.exact.origin;
+            self.both = z - map.raw_at_lattice(x, y) < f64::from(leaf::lift(self.ray.size));
         }
     }
 
@@ -123,7 +136,7 @@ impl<'a> Nodes<'a> {
         let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
         let mut met =
             L::and(near.below(far), lowest.at_most(bound(self.pyramid, bounds, Side::Upper)));
-        if !self.ray.above {
+        if self.both {
             let highest = near.where_else(sinks, far).times(dz).plus(L::splat(self.oz[1]));
             let min: L = bound(self.pyramid, bounds, Side::Lower);
             met = L::and(met, min.at_most(highest));
