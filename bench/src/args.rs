@@ -26,6 +26,8 @@ pub enum Command {
     Kernels(KernelArgs),
     /// Nanoseconds a voxel of distance maps.
     Transforms(TransformArgs),
+    /// Nodes, leaves, steps and nanoseconds a ray of the exact methods.
+    Walks(WalkArgs),
     /// Nanoseconds a sample of building pyramids.
     Build(BuildArgs),
     /// Say what machine this is, as the machine.json of a recorded run.
@@ -101,6 +103,34 @@ pub struct TransformArgs {
     /// Also write each grid to MAP-NxD.npy in this folder, for peers: 0 where the surface is, else 1.
     #[arg(long, value_name = "FOLDER")]
     pub dump_grid: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct WalkArgs {
+    /// Maps, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = MapName::ALL)]
+    pub maps: Vec<MapName>,
+    /// Samples a side, parted by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = size(),
+          default_values_t = [1024])]
+    pub sizes: Vec<u32>,
+    /// Families of rays, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',',
+          default_values_t = [Family::Primary, Family::Shadow, Family::Diffuse])]
+    pub families: Vec<Family>,
+    /// Distance maps as SIDExDEPTH in voxels, parted by commas [default: the size that maps get when
+    /// nobody says].
+    #[arg(long, value_name = "NxD,...", value_delimiter = ',')]
+    pub grids: Vec<Grid>,
+    /// Scene units of height 1 over the unit square; real maps divide it by their repetitions.
+    #[arg(long, value_name = "Z", default_value_t = 0.1, value_parser = depth)]
+    pub depth: f64,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 3,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
     #[command(flatten)]
     pub output: Output,
 }

@@ -18,6 +18,7 @@ mod report;
 mod runs;
 mod tally;
 mod transforms;
+mod walks;
 
 use std::process::ExitCode;
 
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
     let result = match &arguments.command {
         Command::Kernels(args) => kernels::run(args),
         Command::Transforms(args) => transforms::run(args),
+        Command::Walks(args) => walks::run(args),
         Command::Build(args) => builds::run(args),
         Command::Machine => runs::machine(),
         Command::Summary(args) => runs::summary(&args.run),
