@@ -106,7 +106,7 @@ impl Relief {
             return Err(ReliefError::WrongRange { found: map.raw_range(), expected });
         }
         self.distances.retain(|m| m.kind() != map.kind());
-        self.distances.push(map);
+        self.distances.push(map.laid_on(&self.heights));
         Ok(self)
     }
 

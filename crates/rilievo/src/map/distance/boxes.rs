@@ -37,6 +37,7 @@
 use rayon::prelude::*;
 
 use super::codes::{Code, Quantiser};
+use super::columns::Columns;
 use super::domain::Domain;
 use super::erosion::{Erosion, LINES, Place, larger};
 use crate::map::HeightMap;
@@ -53,14 +54,8 @@ pub(super) struct Boxes {
     per_unit: f64,
     /// `wx^2` and `wy^2`, floored to steps.
     weights: [f64; 2],
-    /// Height interval of each column, x fastest.
-    pub columns: Vec<(f32, f32)>,
-}
-
-/// The stored cells whose inside meets division `i` of `n` of an axis, first and last.
-fn cells_of(i: u32, n: u32, cells: u32) -> (u32, u32) {
-    let (i, n, cells) = (u64::from(i), u64::from(n), u64::from(cells));
-    ((i * cells / n) as u32, ((i + 1) * cells).div_ceil(n) as u32 - 1)
+    /// Height interval of each column.
+    pub columns: Columns,
 }
 
 impl Boxes {
@@ -73,22 +68,7 @@ impl Boxes {
             (voxel * voxel / unit).floor()
         };
         let [nx, ny] = [size[0], size[1]];
-        let mut columns = vec![(0.0, 0.0); nx as usize * ny as usize];
-        columns.par_chunks_mut(nx as usize).enumerate().for_each(|(j, row)| {
-            let (first_y, last_y) = cells_of(j as u32, ny, domain.cells[1]);
-            for (i, column) in row.iter_mut().enumerate() {
-                let (first_x, last_x) = cells_of(i as u32, nx, domain.cells[0]);
-                let (mut lo, mut hi) = (f32::INFINITY, f32::NEG_INFINITY);
-                for cy in first_y..=last_y {
-                    for cx in first_x..=last_x {
-                        for h in heights.stored_corners(cx, cy) {
-                            (lo, hi) = (lo.min(h), hi.max(h));
-                        }
-                    }
-                }
-                *column = (lo, hi);
-            }
-        });
+        let columns = Columns::new(heights, [nx, ny]);
         let weights = [weight(x, nx), weight(y, ny)];
         Self { domain: *domain, size, unit, per_unit: 1.0 / unit, weights, columns }
     }
@@ -173,7 +153,7 @@ impl<C: Code> Kernel for Slab<'_, C> {
         let Self { boxes, slab, quantiser, work, codes } = self;
         let (nx, ny) = (boxes.size[0] as usize, boxes.size[1] as usize);
         let Work { steps, row, lines, erosion } = work;
-        let bands = steps.chunks_mut(LINES * nx).zip(boxes.columns.chunks(LINES * nx));
+        let bands = steps.chunks_mut(LINES * nx).zip(boxes.columns.bounds().chunks(LINES * nx));
         for (band, columns) in bands {
             let lines = &mut lines[..nx];
             for (lane, columns) in columns.chunks(nx).enumerate() {
@@ -268,16 +248,6 @@ mod tests {
     }
 
     #[test]
-    fn divisions_own_the_cells_they_overlap_and_no_neighbour() {
-        assert_eq!(cells_of(0, 4, 4), (0, 0));
-        assert_eq!(cells_of(3, 4, 4), (3, 3));
-        assert_eq!(cells_of(1, 2, 5), (2, 4));
-        assert_eq!(cells_of(0, 2, 5), (0, 2));
-        assert_eq!(cells_of(4, 10, 3), (1, 1));
-        assert_eq!(cells_of(3, 10, 3), (0, 1));
-    }
-
-    #[test]
     fn every_code_is_the_floor_of_the_brute_force_box_distance() {
         for (map, metric) in cases() {
             for size in SIZES {
@@ -289,7 +259,7 @@ mod tests {
                 for at in 0..nx * ny * nz {
                     let voxel = [at % nx, at / nx % ny, at / nx / ny];
                     let (low, high) = stored.voxel_bounds(voxel);
-                    let nearest = columns.iter().enumerate().map(|(c, &(lo, hi))| {
+                    let nearest = columns.bounds().iter().enumerate().map(|(c, &(lo, hi))| {
                         let column = [c as u32 % nx, c as u32 / nx];
                         let gap = |a: usize| {
                             f64::from(column[a].abs_diff(voxel[a]).saturating_sub(1))

@@ -27,6 +27,7 @@
 
 mod boxes;
 mod codes;
+mod columns;
 mod corrected;
 mod default_size;
 mod domain;
@@ -47,6 +48,7 @@ pub use verify::{DistanceViolation, UnsafeCodes};
 use super::{HeightMap, Metric, Pyramid};
 use boxes::Boxes;
 use codes::{Code, Quantiser};
+use columns::Columns;
 use corrected::Nodes;
 use domain::Domain;
 use parts::count;
@@ -64,6 +66,8 @@ pub struct DistanceMap {
     density: [f64; 3],
     /// Sides of a voxel between nodes or of a voxel, scene units.
     sides: [f64; 3],
+    /// Empty until [`DistanceMap::laid_on`] some heights.
+    columns: Columns,
 }
 
 impl DistanceMap {
@@ -129,7 +133,8 @@ impl DistanceMap {
             if side > 0.0 { steps[a] / side } else { 0.0 }
         });
         let sides = std::array::from_fn(|a| extents[a] / steps[a]);
-        Self { kind, size, domain, quantum, codes, density, sides }
+        let columns = Columns::default();
+        Self { kind, size, domain, quantum, codes, density, sides, columns }
     }
 
     /// All fields, for storing; the codes are copied.
@@ -181,9 +186,9 @@ impl DistanceMap {
         &self.codes
     }
 
-    /// Bytes held by the codes.
+    /// Bytes held by the codes, and by what a relief keeps beside them.
     pub fn bytes(&self) -> u64 {
-        self.codes.len() as u64 * self.codes.bits().bytes()
+        self.codes.len() as u64 * self.codes.bits().bytes() + self.columns.bytes()
     }
 
     /// Bytes the codes of a map of `size` would take; nothing is allocated.
@@ -230,6 +235,34 @@ impl DistanceMap {
                 let (nodes, local) = self.corners_at(p);
                 corrected::trilinear(nodes, local)
             }
+        }
+    }
+
+    /// The map with the columns of `heights`, for walks. `heights` must fit.
+    pub(crate) fn laid_on(mut self, heights: &HeightMap) -> Self {
+        let [nx, ny, _] = self.size.map(|n| n + 1 - self.kind.least_size());
+        self.columns = Columns::new(heights, [nx, ny]);
+        self
+    }
+
+    /// What the columns say, see [`DistanceMap::laid_on`].
+    #[inline]
+    pub(crate) fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// Voxels, or steps between nodes, per unit of each axis, and the point they count from.
+    #[inline]
+    pub(crate) fn grid(&self) -> ([f64; 3], [f64; 3]) {
+        (self.density, self.domain.low())
+    }
+
+    /// The safe distance at a point of a voxel, which is asked for where it matters.
+    #[inline]
+    pub(crate) fn voxel_distance(&self, voxel: [u32; 3], p: impl Fn() -> [f64; 3]) -> f64 {
+        match self.kind {
+            DistanceKind::Boxes => self.at(voxel[0], voxel[1], voxel[2]),
+            DistanceKind::Corrected | DistanceKind::Published => self.safe_distance(p()),
         }
     }
 

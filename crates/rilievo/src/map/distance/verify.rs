@@ -142,7 +142,7 @@ struct Grid {
 impl<'a> ColumnTree<'a> {
     fn new(boxes: &'a Boxes, size: [u32; 3]) -> Self {
         let size = [size[0], size[1]];
-        let mut levels = vec![Grid { size, bounds: boxes.columns.clone() }];
+        let mut levels = vec![Grid { size, bounds: boxes.columns.bounds().to_vec() }];
         while let Some(below) = levels.last()
             && below.size != [1, 1]
         {
