@@ -14,8 +14,8 @@
 //! | [`Method::DistancePublished`] | points a distance apart | texel-point distances | no |
 //! | [`Method::March`] | points a fixed step apart | nothing | no |
 //!
-//! **One arithmetic.** The path of a ray: world (`f64`) -> lattice space (`f64`, `placement`) ->
-//! forward frame (`f32`, `map_ray`) -> tiles (`tile`, `trace`) -> a method's walk (`walk`,
+//! **One arithmetic.** The path of a ray: world (`f64`) -> lattice space (`f64`, `placement`,
+//! `shell`) -> forward frame (`f32`, `map_ray`) -> tiles (`tile`, `trace`) -> a method's walk (`walk`,
 //! `cell_walk`, `distance_walk`) -> the leaf (`leaf`) -> refined root (`f64`, `refine`) -> hit. Only
 //! the walk differs between exact methods; the leaf is a function of ray and cell alone. So they
 //! agree bit for bit as soon as each shows the leaf every cell in which it would report a root, in
@@ -37,6 +37,7 @@ mod shell;
 mod tile;
 mod trace;
 mod walk;
+mod walls;
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! The walk over the tiles of a face: what all methods share around their own walk.
 
-use crate::map::{DistanceKind, HeightMap, Lattice, Wrap};
+use crate::map::{DistanceKind, Lattice, Wrap};
 use crate::probe::Probe;
 use crate::ray::{Ray, Wall};
 use crate::simd::Lanes;
@@ -18,6 +18,7 @@ use super::placement::Placement;
 use super::refine::refine;
 use super::tile::Tile;
 use super::walk::{TileFrame, walk_pyramid};
+use super::walls::{entry_wall, exit_wall, seam_wall};
 
 /// A crossing of a face, in lattice space: what a walk ends in, before the work of shading.
 /// [`super::ReliefFace::complete`] makes a [`crate::Hit`] of it.
@@ -46,7 +47,7 @@ pub(crate) enum Place {
 }
 
 /// What an exact walk meets, still in the walk's frame.
-enum Met {
+pub(super) enum Met {
     Surface(LeafHit),
     /// A wall at parameter `s`, crossed from above the raw surface or from below.
     Wall {
@@ -76,7 +77,7 @@ pub(crate) struct Trace<'a> {
 
 impl Trace<'_> {
     /// Which crossings of the raw surface are hits.
-    fn admitted(&self) -> Crossings {
+    pub(super) fn admitted(&self) -> Crossings {
         match (self.options.one_sided, self.options.displacement.scale > 0.0) {
             (false, _) => Crossings::Both,
             (true, true) => Crossings::Downward,
@@ -312,63 +313,6 @@ fn walk_tile<L: Lanes, P: Probe>(
             walk_pyramid::<L, P>((heights, relief.pyramid()), ray, &frame, admit, probe)
         }
     }
-}
-
-/// The wall between what lies before a line and what lies behind it, if the ray meets it there.
-fn wall_between(wall: Wall, s: f32, before: f32, behind: f32, face: &Trace<'_>) -> Option<Met> {
-    // The rim itself belongs to the wall.
-    let from_above = before > 0.0;
-    let crosses = from_above != (behind > 0.0);
-    (crosses && face.admitted().admits(from_above)).then_some(Met::Wall { wall, s, from_above })
-}
-
-/// Gap above offset 0, which the border's walls go down to.
-fn gap_to_base(face: &Trace<'_>, ray: &MapRay, s: f32) -> f32 {
-    ray.z(s) - face.placement.raw_zero as f32
-}
-
-fn entry_wall(face: &Trace<'_>, ray: &MapRay, s: f32) -> Option<Met> {
-    let heights = face.relief.heights();
-    let tile = Tile::new(heights, ray, [ray.cell_at(0, s), ray.cell_at(1, s)]);
-    let behind = tile.gap_at_enter(heights, ray);
-    let axis = usize::from(ray.t(0, ray.lo[0]) < ray.t(1, ray.lo[1]));
-    let wall = border(axis, !ray.backward[axis]);
-    wall_between(wall, s, gap_to_base(face, ray, s), behind, face)
-}
-
-fn exit_wall(face: &Trace<'_>, ray: &MapRay, s: f32) -> Option<Met> {
-    let heights = face.relief.heights();
-    let tile = Tile::new(heights, ray, [ray.cell_before(0, s), ray.cell_before(1, s)]);
-    let before = tile.gap_at_leave(heights, ray);
-    let axis = usize::from(ray.t(0, ray.hi[0]) > ray.t(1, ray.hi[1]));
-    let wall = border(axis, ray.backward[axis]);
-    wall_between(wall, s, before, gap_to_base(face, ray, s), face)
-}
-
-/// The border wall of an axis at its low or high end.
-fn border(axis: usize, low: bool) -> Wall {
-    match (axis, low) {
-        (0, true) => Wall::LowU,
-        (0, false) => Wall::HighU,
-        (_, true) => Wall::LowV,
-        (_, false) => Wall::HighV,
-    }
-}
-
-/// The wall between a tile and the one that begins at `cell`, across the lines `crossed`.
-fn seam_wall(
-    face: &Trace<'_>,
-    ray: &MapRay,
-    tile: &Tile,
-    (cell, crossed): ([i32; 2], [bool; 2]),
-) -> Option<Met> {
-    let heights: &HeightMap = face.relief.heights();
-    let before = tile.gap_at_leave(heights, ray);
-    let behind = Tile::new(heights, ray, cell).gap_at_enter(heights, ray);
-    let axis = usize::from(!crossed[0]);
-    let line = ray.unfolded_line(axis, cell[axis]);
-    let wall = if axis == 0 { Wall::SeamU(line) } else { Wall::SeamV(line) };
-    wall_between(wall, tile.leave, before, behind, face)
 }
 
 /// The two approximate methods.

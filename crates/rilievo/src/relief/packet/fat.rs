@@ -10,9 +10,8 @@
 use crate::map::Pyramid;
 use crate::simd::{Lanes, WIDTH};
 
-use super::super::leaf;
 use super::super::map_ray::{larger, smaller};
-use super::super::walk::{LINES, PLACES, Side, TileFrame, bound};
+use super::super::walk::{LINES, PLACES, Side, TileFrame, bound, culled_heights};
 use super::rays::PacketRays;
 
 /// The bounds of a packet.
@@ -58,13 +57,12 @@ impl<'a> FatRay<'a> {
             [first as f32, (first + cells) as f32]
         };
         let (ray, _) = rays.ray(0);
-        let slack = 2.0 * leaf::slack(ray.size);
         Self {
             pyramid,
             o: [axis(0), axis(1)],
             inv: [range(&lanes.inv[0]), range(&lanes.inv[1])],
             dz: range(&lanes.dz),
-            oz: [lowest(&lanes.oz) - slack, highest(&lanes.oz) + slack],
+            oz: culled_heights(range(&lanes.oz), ray.size),
             part: [lowest(&lanes.part[0]), highest(&lanes.part[1])],
             map: [map(0), map(1)],
             both: rays.any_may_be_below(),

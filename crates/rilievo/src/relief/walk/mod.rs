@@ -28,10 +28,12 @@
 //! anything: they are not read. Where a ray starts inside the height range, one look at the surface
 //! under it tells.
 //!
-//! **Slack of the cull.** The test computes `s dz + (oz -+ c)` with `c = 2 slack` instead of
-//! `(s dz + oz) -+ slack`: one operation less. Both roundings that differ are below `ulp(2 A)` each
-//! as long as the ray is inside the padded height range, i.e. below `slack / 4`; so the computed
-//! height is beyond the leaf's by at least `slack`, which is what the leaf's proof asks for.
+//! **Slack of the cull (proof).** The test computes `s dz + oz'` with `oz'` the float next below (or
+//! above) `oz -+ 2 slack`, instead of `(s dz + oz) -+ slack`: one operation less. `oz'` is beyond
+//! `oz` by at least `2 slack`, however coarse the floats at `oz`: half a step may be lost in the
+//! difference, and a whole one is added. The product is the leaf's own. Each of the two sums that
+//! differ rounds by at most `ulp(2 A) / 2 = slack / 8` while the height is inside the padded range.
+//! So the computed height is beyond the leaf's by more than `slack`, which the leaf's proof asks for.
 
 mod block;
 mod frame;
@@ -51,7 +53,7 @@ use stack::lane_of;
 pub(crate) use block::{Blocks, PLACES, block_corners};
 pub(crate) use frame::{TileFrame, Unfolding};
 pub(crate) use gaps::LaneRay;
-pub(crate) use node::{LINES, Side, bound};
+pub(crate) use node::{LINES, Side, bound, culled_heights};
 pub(crate) use stack::{Stack, child};
 
 /// The first admitted crossing in a tile, found through the pyramid.

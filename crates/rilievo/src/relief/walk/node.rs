@@ -69,12 +69,11 @@ pub(super) struct Nodes<'a> {
 impl<'a> Nodes<'a> {
     #[inline(always)]
     pub fn new(pyramid: &'a Pyramid, ray: &'a MapRay, frame: &'a TileFrame) -> Self {
-        let slack = 2.0 * leaf::slack(ray.size);
         Self {
             pyramid,
             ray,
             frame,
-            oz: [ray.oz - slack, ray.oz + slack],
+            oz: culled_heights([ray.oz; 2], ray.size),
             part: [larger(frame.enter, ray.cull[0]), smaller(frame.leave, ray.cull[1])],
             both: !ray.above,
         }
@@ -156,6 +155,14 @@ impl<'a> Nodes<'a> {
     }
 }
 
+/// Lowest and highest start heights, moved outward by the slack of the cull and a step of the float;
+/// see the proof at the head of `walk`. `size` is the largest magnitude of a raw height of the map.
+#[inline(always)]
+pub(crate) fn culled_heights([low, high]: [f32; 2], size: f32) -> [f32; 2] {
+    let slack = 2.0 * leaf::slack(size);
+    [(low - slack).next_down(), (high + slack).next_up()]
+}
+
 /// Upper or lower bounds of the children of a node, raw heights, mirrored.
 #[inline(always)]
 pub(crate) fn bound<L: Lanes>(
@@ -174,4 +181,35 @@ pub(crate) fn bound<L: Lanes>(
         }
     };
     L::splat(code.base).plus(codes.times(L::splat(code.step)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The proof's edge: a start far above or below the map, whose float is coarser than the slack.
+    #[test]
+    fn culled_heights_stay_a_slack_away_from_those_of_the_leaf() {
+        let mut state = 7u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for size in [65535.0f32, 1.0, 3286.0, 1e-3] {
+            let slack = leaf::slack(size);
+            for reach in [1.0, 3.0, 1e3, 1e6] {
+                for _ in 0..50_000 {
+                    let oz = (2.0 * next() - 1.0) * reach * size;
+                    let s = next().max(1e-3);
+                    // A ray that comes to a height of the map at s.
+                    let dz = ((2.0 * next() - 1.0) * size - oz) / s;
+                    let z = s * dz + oz;
+                    let [low, high] = culled_heights([oz; 2], size).map(|oz| s * dz + oz);
+                    if z.abs() <= 2.0 * size {
+                        assert!(low <= z - slack && high >= z + slack, "{oz} {s} {dz}");
+                    }
+                }
+            }
+        }
+    }
 }
