@@ -49,6 +49,8 @@ pub struct Axis {
     samples: u32,
     lattice: Lattice,
     wrap: Wrap,
+    /// Lattice coordinate at which stored cell 0 begins, 0 or -1: follows from the others.
+    first: i32,
 }
 
 /// A run of unfolded cells that shows stored cells in order: cell `start + k` shows
@@ -86,7 +88,11 @@ impl Axis {
     /// If `samples < 2` or `samples > 2^24`.
     pub fn new(samples: u32, lattice: Lattice, wrap: Wrap) -> Self {
         assert!((2..=1 << 24).contains(&samples), "an axis has 2 to 2^24 samples, not {samples}");
-        Self { samples, lattice, wrap }
+        let first = match (lattice, wrap) {
+            (_, Wrap::Clamp) | (Lattice::Texel, Wrap::Mirror) => -1,
+            _ => 0,
+        };
+        Self { samples, lattice, wrap, first }
     }
 
     /// Number of samples.
@@ -147,10 +153,7 @@ impl Axis {
     /// Lattice coordinate at which stored cell 0 begins in the unfolded axis: 0 or -1.
     #[inline]
     pub fn first_cell(&self) -> i32 {
-        match (self.lattice, self.wrap) {
-            (_, Wrap::Clamp) | (Lattice::Texel, Wrap::Mirror) => -1,
-            _ => 0,
-        }
+        self.first
     }
 
     /// The two samples that stored cell `c` joins, near one first.

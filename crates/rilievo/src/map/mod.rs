@@ -19,6 +19,6 @@ pub use metric::Metric;
 pub use normal::{NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels};
 pub use procedural::{Procedural, ProceduralError};
 
-pub(crate) use pyramid::NodeBounds;
+pub(crate) use pyramid::SideBounds;
 pub use pyramid::{Code, Layout, Level, LevelBounds, Pyramid, PyramidViolation, UnknownLayout};
 pub use statistics::{HeightStatistics, Seam};

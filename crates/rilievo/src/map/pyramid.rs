@@ -34,8 +34,8 @@ use super::height::HeightMap;
 
 pub use code::Code;
 pub use layout::{Layout, UnknownLayout};
-pub(crate) use level::NodeBounds;
 pub use level::{Level, LevelBounds};
+pub(crate) use level::{NodeBounds, SideBounds};
 pub use verify::PyramidViolation;
 
 /// Min-max pyramid over the stored cells of a height map.
@@ -116,6 +116,15 @@ impl Pyramid {
     #[inline(always)]
     pub(crate) fn node(&self, level: u32, index: usize) -> NodeBounds<'_> {
         self.levels[level as usize].bounds.node(index)
+    }
+
+    /// The upper or the lower bounds of a node; [`Pyramid::code`] turns them into raw values.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    #[inline(always)]
+    pub(crate) fn side(&self, level: u32, index: usize, upper: bool) -> SideBounds<'_> {
+        self.levels[level as usize].bounds.side(index, upper)
     }
 
     /// The code of the bounds.

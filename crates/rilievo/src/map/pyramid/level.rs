@@ -90,6 +90,15 @@ impl NodeBounds<'_> {
     }
 }
 
+/// The upper or the lower bounds of one node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SideBounds<'a> {
+    /// Codes.
+    Wide(&'a [u16; LANES]),
+    /// Stands for the codes `base + q * step`.
+    Tiny { steps: &'a [u8; LANES], base: f32, step: f32 },
+}
+
 /// Codes for one step of a tiny node.
 #[inline]
 fn tiny_step([lo, hi]: [u16; 2]) -> u32 {
@@ -168,6 +177,21 @@ impl LevelBounds {
             Self::Tiny { max, min, range } => NodeBounds::Tiny {
                 max: &max[index],
                 min: &min[index],
+                base: f32::from(range[index][0]),
+                step: tiny_step(range[index]) as f32,
+            },
+        }
+    }
+
+    /// The upper or the lower bounds of a node.
+    #[inline(always)]
+    pub(crate) fn side(&self, index: usize, upper: bool) -> SideBounds<'_> {
+        match self {
+            Self::Wide { max, min } => {
+                SideBounds::Wide(if upper { &max[index] } else { &min[index] })
+            }
+            Self::Tiny { max, min, range } => SideBounds::Tiny {
+                steps: if upper { &max[index] } else { &min[index] },
                 base: f32::from(range[index][0]),
                 step: tiny_step(range[index]) as f32,
             },

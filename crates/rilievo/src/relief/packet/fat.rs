@@ -93,16 +93,16 @@ impl<'a> FatRay<'a> {
         let [nodes_x, _] = self.pyramid.nodes(level);
         let [turn_x, turn_y] = self.frame.turn;
         let index = (y ^ turn_y) as usize * nodes_x as usize + (x ^ turn_x) as usize;
-        let bounds = (&self.pyramid.node(level, index), self.frame.mirror());
+        let (node, mirror) = ((level, index), self.frame.mirror());
         let [dz_low, dz_high] = self.dz;
         let lowest = if dz_low < 0.0 { far } else { near };
         let lowest = lowest.times(L::splat(dz_low)).plus(L::splat(self.oz[0]));
-        let max: L = bound(self.pyramid, bounds, Side::Upper);
+        let max: L = bound(self.pyramid, node, mirror, Side::Upper);
         let mut met = L::and(L::and(near.below(far), on_map), lowest.at_most(max));
         if self.both {
             let highest = if dz_high < 0.0 { near } else { far };
             let highest = highest.times(L::splat(dz_high)).plus(L::splat(self.oz[1]));
-            let min: L = bound(self.pyramid, bounds, Side::Lower);
+            let min: L = bound(self.pyramid, node, mirror, Side::Lower);
             met = L::and(met, min.at_most(highest));
         }
         L::bits(met)

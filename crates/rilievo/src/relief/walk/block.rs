@@ -80,16 +80,20 @@ pub(crate) fn block_corners<L: Lanes>(
     let y = if mirror.y { !(corner[1] + 3) } else { corner[1] };
     let cell = [x as u32, y as u32];
     match map.samples() {
-        Samples::U16(samples) => {
-            let mut spare = [[0; 8]; 5];
-            let rows = block_rows(map, samples, cell, &mut spare);
-            L::corners_u16(in_order(rows, mirror.y), mirror.x)
-        }
-        Samples::F32(samples) => {
-            let mut spare = [[0.0; 8]; 5];
-            let rows = block_rows(map, samples, cell, &mut spare);
-            L::corners_f32(in_order(rows, mirror.y), mirror.x)
-        }
+        Samples::U16(samples) => match whole_rows(map, samples, cell) {
+            Some(rows) => L::corners_u16(in_order(rows, mirror.y), mirror.x),
+            None => {
+                let rows = gathered_rows(map, samples, cell);
+                L::corners_u16(in_order(rows.each_ref(), mirror.y), mirror.x)
+            }
+        },
+        Samples::F32(samples) => match whole_rows(map, samples, cell) {
+            Some(rows) => L::corners_f32(in_order(rows, mirror.y), mirror.x),
+            None => {
+                let rows = gathered_rows(map, samples, cell);
+                L::corners_f32(in_order(rows.each_ref(), mirror.y), mirror.x)
+            }
+        },
     }
 }
 
@@ -100,43 +104,35 @@ fn in_order<T>(rows: [&T; 5], backward: bool) -> [&T; 5] {
     if backward { [e, d, c, b, a] } else { rows }
 }
 
-/// The five rows of samples of the block of stored cells at `cell`; the first five of each count. A
-/// block whose rows do not lie whole in the map is put together in `spare`.
+/// The five rows of samples of the block of stored cells at `cell`, of which the first five samples
+/// count, if they lie whole in the map.
 #[inline(always)]
-fn block_rows<'a, T: Copy>(
-    map: &HeightMap,
-    samples: &'a [T],
-    cell: [u32; 2],
-    spare: &'a mut [[T; 8]; 5],
-) -> [&'a [T; 8]; 5] {
+fn whole_rows<'a, T>(map: &HeightMap, samples: &'a [T], cell: [u32; 2]) -> Option<[&'a [T; 8]; 5]> {
     let (width, height) = (map.width() as i32, map.height() as i32);
     let x = cell[0] as i32 + map.x().first_cell();
     let y = cell[1] as i32 + map.y().first_cell();
-    if x >= 0 && y >= 0 && x + 5 <= width && y + 5 <= height {
-        let at = y as usize * width as usize + x as usize;
-        let width = width as usize;
-        // The last row reaches farthest: one check serves all.
-        if let Some(part) = samples.get(at..at + 4 * width + 8) {
-            let rows = [
-                part.first_chunk(),
-                part[width..].first_chunk(),
-                part[2 * width..].first_chunk(),
-                part[3 * width..].first_chunk(),
-                part[4 * width..].first_chunk(),
-            ];
-            if let [Some(a), Some(b), Some(c), Some(d), Some(e)] = rows {
-                return [a, b, c, d, e];
-            }
-        }
+    if x < 0 || y < 0 || x + 5 > width || y + 5 > height {
+        return None;
     }
-    gather_rows(map, samples, cell, spare);
-    spare.each_ref()
+    let width = width as usize;
+    let first = samples.get(y as usize * width + x as usize..)?;
+    let second = first.get(width..)?;
+    let third = second.get(width..)?;
+    let fourth = third.get(width..)?;
+    let fifth = fourth.get(width..)?;
+    Some([
+        first.first_chunk()?,
+        second.first_chunk()?,
+        third.first_chunk()?,
+        fourth.first_chunk()?,
+        fifth.first_chunk()?,
+    ])
 }
 
 /// The rows of a block at the border of the map, sample by sample.
 #[cold]
 #[inline(never)]
-fn gather_rows<T: Copy>(map: &HeightMap, samples: &[T], cell: [u32; 2], rows: &mut [[T; 8]; 5]) {
+fn gathered_rows<T: Copy + Default>(map: &HeightMap, samples: &[T], cell: [u32; 2]) -> [[T; 8]; 5] {
     // Samples at the five lines of the block; lines beyond the last cell repeat its far one.
     let lines = |axis: &Axis, first: u32| {
         let last = axis.cells() - 1;
@@ -146,9 +142,11 @@ fn gather_rows<T: Copy>(map: &HeightMap, samples: &[T], cell: [u32; 2], rows: &m
         })
     };
     let (columns, lines) = (lines(map.x(), cell[0]), lines(map.y(), cell[1]));
+    let mut rows = [[T::default(); 8]; 5];
     for (row, j) in rows.iter_mut().zip(lines) {
         for (sample, i) in row.iter_mut().zip(columns) {
             *sample = samples[j as usize * map.width() as usize + i as usize];
         }
     }
+    rows
 }

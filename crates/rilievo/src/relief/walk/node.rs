@@ -1,6 +1,6 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
-use crate::map::{HeightMap, NodeBounds, Pyramid};
+use crate::map::{HeightMap, Pyramid, SideBounds};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
@@ -130,14 +130,14 @@ impl<'a> Nodes<'a> {
         let [nodes_x, _] = self.pyramid.nodes(level);
         let index =
             ((y ^ self.frame.turn[1]) as u32 * nodes_x + (x ^ self.frame.turn[0]) as u32) as usize;
-        let bounds = (&self.pyramid.node(level, index), self.frame.mirror());
+        let (node, mirror) = ((level, index), self.frame.mirror());
         let (dz, sinks) = (L::splat(self.ray.dz), L::all(self.ray.dz < 0.0));
         let lowest = far.where_else(sinks, near).times(dz).plus(L::splat(self.oz[0]));
         let mut met =
-            L::and(near.below(far), lowest.at_most(bound(self.pyramid, bounds, Side::Upper)));
+            L::and(near.below(far), lowest.at_most(bound(self.pyramid, node, mirror, Side::Upper)));
         if self.both {
             let highest = near.where_else(sinks, far).times(dz).plus(L::splat(self.oz[1]));
-            let min: L = bound(self.pyramid, bounds, Side::Lower);
+            let min: L = bound(self.pyramid, node, mirror, Side::Lower);
             met = L::and(met, min.at_most(highest));
         }
         L::bits(met)
@@ -167,17 +167,15 @@ pub(crate) fn culled_heights([low, high]: [f32; 2], size: f32) -> [f32; 2] {
 #[inline(always)]
 pub(crate) fn bound<L: Lanes>(
     pyramid: &Pyramid,
-    (bounds, mirror): (&NodeBounds<'_>, Mirror),
+    (level, index): (u32, usize),
+    mirror: Mirror,
     side: Side,
 ) -> L {
     let code = pyramid.code();
-    let codes = match *bounds {
-        NodeBounds::Wide { max, min } => {
-            L::from_u16(if side == Side::Upper { max } else { min }, mirror)
-        }
-        NodeBounds::Tiny { max, min, base, step } => {
-            let steps = L::from_u8(if side == Side::Upper { max } else { min }, mirror);
-            L::splat(base).plus(steps.times(L::splat(step)))
+    let codes = match pyramid.side(level, index, side == Side::Upper) {
+        SideBounds::Wide(codes) => L::from_u16(codes, mirror),
+        SideBounds::Tiny { steps, base, step } => {
+            L::splat(base).plus(L::from_u8(steps, mirror).times(L::splat(step)))
         }
     };
     L::splat(code.base).plus(codes.times(L::splat(code.step)))

@@ -19,29 +19,36 @@ impl Stack {
     /// Adds the children of a node of `level`.
     #[inline(always)]
     pub fn push(&mut self, level: u32, lanes: u16) {
-        let word = match level / LOW_LEVELS {
-            0 => &mut self.low,
-            1 => &mut self.high,
-            _ => &mut self.highest,
-        };
-        *word |= u64::from(lanes) << (16 * (level % LOW_LEVELS));
+        let bits = u64::from(lanes) << (16 * (level % LOW_LEVELS));
+        if level < LOW_LEVELS {
+            self.low |= bits;
+        } else if level < 2 * LOW_LEVELS {
+            self.high |= bits;
+        } else {
+            self.highest |= bits;
+        }
     }
 
     /// Takes the level and lane to visit next.
     #[inline(always)]
     pub fn pop(&mut self) -> Option<(u32, i32)> {
-        let (word, first) = if self.low != 0 {
-            (&mut self.low, 0)
-        } else if self.high != 0 {
-            (&mut self.high, LOW_LEVELS)
-        } else if self.highest != 0 {
-            (&mut self.highest, 2 * LOW_LEVELS)
-        } else {
-            return None;
-        };
-        let bit = word.trailing_zeros();
-        *word &= *word - 1;
-        Some((first + bit / 16, (bit % 16) as i32))
+        // Word by word, without a reference to the one chosen: they stay in registers.
+        if self.low != 0 {
+            let bit = self.low.trailing_zeros();
+            self.low &= self.low - 1;
+            return Some((bit / 16, (bit % 16) as i32));
+        }
+        if self.high != 0 {
+            let bit = self.high.trailing_zeros();
+            self.high &= self.high - 1;
+            return Some((LOW_LEVELS + bit / 16, (bit % 16) as i32));
+        }
+        if self.highest != 0 {
+            let bit = self.highest.trailing_zeros();
+            self.highest &= self.highest - 1;
+            return Some((2 * LOW_LEVELS + bit / 16, (bit % 16) as i32));
+        }
+        None
     }
 }
 
