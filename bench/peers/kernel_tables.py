@@ -28,14 +28,27 @@ def bench(*words):
 
 
 def tables(folder):
-    """The tables of a run by the names of HEADS; those the run has no lines for are missing."""
-    blocks = re.split(r"\n\s*\n", bench("summary", folder))
-    found = {}
-    for block in blocks:
+    """The tables of a run by the names of HEADS; those the run has no lines for are missing.
+
+    Rays come level by level; rates are those of the level with most rows, means those of all
+    levels, that one first.
+    """
+    level, found, means = "", {}, {}
+    for block in re.split(r"\n\s*\n", bench("summary", folder)):
+        heading = re.match(r"## rilievo \((.*)\)", block)
+        if heading:
+            level = heading[1]
         for name, head in HEADS.items():
             # A head and its rule alone say that nothing was measured.
-            if block.startswith(head) and len(block.splitlines()) > 2:
+            if not block.startswith(head) or len(block.splitlines()) <= 2:
+                continue
+            if name == "means":
+                means[level] = block.strip()
+            elif len(block) > len(found.get(name, "")):
                 found[name] = block.strip()
+    if means:
+        order = sorted(means, key=lambda level: -len(means[level]))
+        found["means"] = "\n\n".join(f"With `--simd {level}`:\n\n{means[level]}" for level in order)
     return found
 
 
