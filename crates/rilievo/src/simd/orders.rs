@@ -18,7 +18,7 @@ pub(super) const BYTES: [[u8; WIDTH]; 4] = {
     let mut table = [[0; WIDTH]; 4];
     let mut k = 0;
     while k < 4 * WIDTH {
-        table[k / WIDTH][k % WIDTH] = Mirror::ALL[k / WIDTH].source(k % WIDTH) as u8;
+        table[k / WIDTH][k % WIDTH] = WORDS[k / WIDTH][k % WIDTH] as u8;
         k += 1;
     }
     table

@@ -138,24 +138,12 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn from_u16(codes: &[u16; WIDTH], mirror: Mirror) -> Self {
-        let mut out = [[0.0; 4]; 4];
-        for y in 0..4 {
-            for x in 0..4 {
-                out[y][x] = f32::from(codes[mirror.source(4 * y + x)]);
-            }
-        }
-        Self(out)
+        mirrored(codes, mirror)
     }
 
     #[inline(always)]
     fn from_u8(codes: &[u8; WIDTH], mirror: Mirror) -> Self {
-        let mut out = [[0.0; 4]; 4];
-        for y in 0..4 {
-            for x in 0..4 {
-                out[y][x] = f32::from(codes[mirror.source(4 * y + x)]);
-            }
-        }
-        Self(out)
+        mirrored(codes, mirror)
     }
 
     #[inline(always)]
@@ -169,6 +157,19 @@ impl Lanes for Portable {
     }
 }
 
+/// The numbers of a square of codes, mirrored.
+#[inline(always)]
+fn mirrored<T: Copy + Into<f32>>(codes: &[T; WIDTH], mirror: Mirror) -> Portable {
+    let mut out = [[0.0; 4]; 4];
+    for (y, row) in out.iter_mut().enumerate() {
+        for (x, number) in row.iter_mut().enumerate() {
+            *number = codes[mirror.source(4 * y + x)].into();
+        }
+    }
+    Portable(out)
+}
+
+/// Corners of 4 x 4 cells from five rows of samples.
 #[inline(always)]
 fn corners<T: Copy + Into<f32>>(rows: [&[T; 8]; 5], backward: bool) -> [Portable; 4] {
     let mut out = [[[0.0; 4]; 4]; 4];
