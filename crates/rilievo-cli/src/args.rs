@@ -34,7 +34,7 @@ pub enum Command {
     /// Make a normal map, distance map or min-max pyramid from a height map.
     #[command(after_help = BAKE)]
     Bake(BakeArgs),
-    /// Say what a height map, a baked map or a scene is, and the memory a render of it needs.
+    /// Say what a height map, a texture set, a baked map or a scene is, and the memory a render of it needs.
     #[command(after_help = INFO)]
     Info(InfoArgs),
     /// Validate a scene with all its files, or a baked map against its height map.
@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file (TOML).
+    /// Scene file (TOML), or the folder of a texture set.
     pub scene: PathBuf,
     /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
     #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]
@@ -216,8 +216,11 @@ pub struct BoundsArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Height map, baked map or scene.
+    /// Height map, baked map, scene or folder of a texture set.
     pub file: PathBuf,
+    /// Normal map to compare the height map with: which way green points, how well both agree.
+    #[arg(long, value_name = "NORMALMAP")]
+    pub normals: Option<PathBuf>,
     /// Pixels of the render whose memory is predicted [default: the scene's, or 512x512].
     #[arg(long, value_name = "WxH", value_parser = value::resolution)]
     pub resolution: Option<[u32; 2]>,
@@ -232,7 +235,7 @@ pub struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scene or baked map.
+    /// Scene, folder of a texture set, or baked map.
     pub file: PathBuf,
     /// The height map that the baked map was made from.
     #[arg(long, value_name = "HEIGHTMAP")]
@@ -297,6 +300,7 @@ what is done; a second one kills.
 
 Examples:
   rilievo render scene.toml -o out.png
+  rilievo render textures/rock058/ -o rock.png
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
@@ -330,10 +334,12 @@ Examples:
   rilievo bake bounds dem.tif -o dem-bounds.rlv --grid vertex --wrap clamp";
 
 const INFO: &str = "\
-The kind of file is told from its content.
+The kind of file is told from its content; a folder is a texture set.
 
 Examples:
   rilievo info heights.png
+  rilievo info heights.png --normals normals.png
+  rilievo info textures/rock058/
   rilievo info dem.tif --grid vertex --wrap clamp --resolution 1920x1080
   rilievo info heights-distance.rlv
   rilievo info scene.toml --json";

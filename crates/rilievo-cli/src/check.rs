@@ -5,7 +5,8 @@ use rilievo::map::{
 };
 use rilievo_io::image::HeightOptions;
 use rilievo_io::map_file::{BakedContent, BakedMap, BakedNormals, MapSource};
-use rilievo_io::scene::{LoadOptions, SceneFile};
+use rilievo_io::scene::LoadOptions;
+use rilievo_io::texture_set::TextureSet;
 use rilievo_io::{FileKind, Limits};
 use serde::Serialize;
 
@@ -30,6 +31,9 @@ struct Report {
 }
 
 pub fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
+    if args.file.is_dir() && args.map.is_none() {
+        return scene(args);
+    }
     match FileKind::of(&args.file)? {
         FileKind::Text if args.map.is_some() => {
             Err(Failure::Usage("--map belongs to a baked map, not to a scene".to_owned()))
@@ -58,12 +62,15 @@ struct SceneReport {
 
 fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
     let limits = Limits::default();
-    let files = SceneFile::read(&args.file, &limits)?.references();
+    let files = job::read(&args.file, &limits)?.references();
     let options = LoadOptions { limits, ..LoadOptions::default() };
     let loaded = job::load(&args.file, &options, args.talk)?;
     // Files that no shape uses are not loaded; they must at least be there.
     for file in &files {
-        FileKind::of(file)?;
+        match file.is_dir() {
+            true => drop(TextureSet::find(file, &limits)?),
+            false => drop(FileKind::of(file)?),
+        }
     }
     let (scene, files) = (&loaded.scene, files.len());
     let report = SceneReport {

@@ -1,7 +1,9 @@
 //! `rilievo info`: what a file is and what a render of it needs.
 
+mod agreement;
 mod map;
 mod scene;
+mod texture_set;
 
 use rilievo_io::map_file::{BakedContent, BakedMap, MapSource};
 use rilievo_io::{FileKind, Limits};
@@ -13,6 +15,10 @@ use crate::outcome::{Failure, Outcome};
 use crate::report;
 
 pub fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
+    if args.file.is_dir() {
+        texture_set::run(args)?;
+        return Ok(Outcome::Done);
+    }
     match FileKind::of(&args.file)? {
         FileKind::Image(_) => map::run(args)?,
         FileKind::BakedMap => baked(args)?,

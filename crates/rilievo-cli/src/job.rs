@@ -96,18 +96,33 @@ impl RenderJob {
     }
 }
 
+/// Reads a scene file, or makes the scene that shows the texture set of a folder.
+///
+/// # Errors
+/// Of the file or the folder.
+pub fn read(path: &Path, limits: &Limits) -> Result<SceneFile, Failure> {
+    Ok(match path.is_dir() {
+        true => SceneFile::present(path, limits)?,
+        false => SceneFile::read(path, limits)?,
+    })
+}
+
 /// Reads a scene with all its files and builds the distance maps its methods need.
 ///
 /// # Errors
 /// Of the scene or any of its files.
 pub fn load(path: &Path, options: &LoadOptions<'_>, talk: Talk) -> Result<LoadedScene, Failure> {
-    let file = SceneFile::read(path, &options.limits)?;
+    let file = read(path, &options.limits)?;
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {
         drop(built.take());
         built.replace(Some(tell_build(build, talk)));
     };
-    Ok(file.load(&LoadOptions { building: &building, ..*options })?)
+    let loaded = file.load(&LoadOptions { building: &building, ..*options })?;
+    for note in &loaded.notes {
+        talk.line(format_args!("note: {note}"));
+    }
+    Ok(loaded)
 }
 
 /// Says which distance map is being built, and what to expect of it.

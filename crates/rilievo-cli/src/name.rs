@@ -1,6 +1,6 @@
 //! Names of closed sets that the library does not name itself, as printed and as typed.
 
-use rilievo::map::{DistanceKind, Lattice, Wrap};
+use rilievo::map::{DistanceKind, Lattice, NormalConvention, Wrap};
 
 pub fn lattice(lattice: Lattice) -> &'static str {
     match lattice {
@@ -22,5 +22,12 @@ pub fn distance_kind(kind: DistanceKind) -> &'static str {
         DistanceKind::Published => "published",
         DistanceKind::Boxes => "boxes",
         DistanceKind::Corrected => "corrected",
+    }
+}
+
+pub fn convention(convention: NormalConvention) -> &'static str {
+    match convention {
+        NormalConvention::OpenGl => "opengl",
+        NormalConvention::DirectX => "directx",
     }
 }

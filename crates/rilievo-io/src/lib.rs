@@ -7,6 +7,7 @@
 //! | [`map_file`] | baked normals, distances, min-max bounds | the same |
 //! | [`mesh`] | OBJ | |
 //! | [`scene`] | TOML scenes, with all the files they name | |
+//! | [`texture_set`] | folders of maps, by their names | |
 //!
 //! Nothing here trusts a file. Sizes are checked against [`Limits`] before memory is asked for,
 //! decoders of other crates run behind a guard that turns their panics into errors, and every
@@ -24,6 +25,7 @@ mod limits;
 pub mod map_file;
 pub mod mesh;
 pub mod scene;
+pub mod texture_set;
 
 pub use error::{Error, Excerpt, Fault, Place, Result};
 pub use kind::FileKind;

@@ -114,7 +114,7 @@ pub fn normal_kind() -> impl TypedValueParser<Value = NormalKind> {
 }
 
 pub fn convention() -> impl TypedValueParser<Value = NormalConvention> {
-    named([("opengl", NormalConvention::OpenGl), ("directx", NormalConvention::DirectX)])
+    named([NormalConvention::OpenGl, NormalConvention::DirectX].map(|c| (name::convention(c), c)))
 }
 
 pub fn distance_kind() -> impl TypedValueParser<Value = DistanceKind> {

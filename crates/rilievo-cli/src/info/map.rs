@@ -1,12 +1,13 @@
 //! A height map as `rilievo info` tells it.
 
-use rilievo::map::{HeightStatistics, Samples, Seam};
+use rilievo::map::{HeightStatistics, NormalAgreement, NormalConvention, Samples, Seam};
 use rilievo::relief::Relief;
 use rilievo_io::Limits;
-use rilievo_io::image::{HeightOptions, ImageInfo, SampleKind, read_image_info};
+use rilievo_io::image::{HeightOptions, ImageInfo, NormalOptions, SampleKind, read_image_info};
 use rilievo_render::{Film, MemoryUse};
 use serde::Serialize;
 
+use super::agreement;
 use crate::args::InfoArgs;
 use crate::memory::predicted_bytes;
 use crate::outcome::Failure;
@@ -42,6 +43,8 @@ struct Report {
     map_bytes: u64,
     bounds_bytes: u64,
     predicted_bytes: u64,
+    /// How `--normals` agree; null without.
+    agreement: Option<agreement::Report>,
 }
 
 #[derive(Serialize)]
@@ -73,8 +76,17 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let options =
         HeightOptions { lattice: meaning.grid, wrap: meaning.wrap, invert: meaning.invert };
     let heights = options.read(&args.file, &limits)?;
+    let agreement = match &args.normals {
+        Some(path) => {
+            let convention = NormalConvention::OpenGl;
+            let options = NormalOptions { convention, lattice: meaning.grid, wrap: meaning.wrap };
+            Some(NormalAgreement::of(&heights, &options.read(path, &limits)?))
+        }
+        None => None,
+    };
     let relief = Relief::with_layout(heights, args.layout.unwrap_or_default());
-    let report = Report::new(&info, &relief, args.resolution.unwrap_or(RESOLUTION));
+    let mut report = Report::new(&info, &relief, args.resolution.unwrap_or(RESOLUTION));
+    report.agreement = agreement.map(agreement::Report::from);
     report.tell(args);
     args.talk.object(&report)
 }
@@ -114,6 +126,7 @@ impl Report {
             map_bytes,
             bounds_bytes,
             predicted_bytes,
+            agreement: None,
         }
     }
 
@@ -153,6 +166,9 @@ impl Report {
             report::bytes(self.bounds_bytes),
             report::bytes(self.predicted_bytes)
         ));
+        if let Some(agreement) = &self.agreement {
+            agreement.tell(talk);
+        }
         if self.terraces {
             talk.line(format_args!(
                 "warning     {} levels are 8-bit steps: slopes will show terraces {:.4} of the \

@@ -7,4 +7,5 @@ mod maps;
 mod render;
 mod stopped;
 mod support;
+mod texture_sets;
 mod usage;

@@ -24,6 +24,7 @@ mod file;
 mod load_map;
 mod options;
 mod resolve;
+mod sets;
 mod syntax;
 
 pub use file::SceneFile;

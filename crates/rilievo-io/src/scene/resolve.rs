@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use rilievo::map::NormalConvention;
 use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
@@ -30,6 +31,8 @@ pub struct LoadedScene {
     pub maps: Vec<LoadedMap>,
     /// How its picture is to be shown.
     pub tone_map: ToneMap,
+    /// What was found in texture sets and assumed of them, a line each.
+    pub notes: Vec<String>,
 }
 
 /// A map of a scene.
@@ -50,6 +53,12 @@ impl SceneFile {
     /// not there, shapes without area, a camera without direction; [`Error::Unsupported`] for a
     /// displaced quad that is not a parallelogram. The place is that in the scene file.
     pub fn load(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
+        let (file, notes) = self.with_sets(&options.limits)?;
+        Ok(LoadedScene { notes, ..file.load_files(options)? })
+    }
+
+    /// The same for a scene that names no texture sets.
+    fn load_files(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
         let camera = self.load_camera()?;
         let used = self.used_materials()?;
         let mut loader =
@@ -81,7 +90,7 @@ impl SceneFile {
             .map(|(name, relief)| LoadedMap { name: name.to_owned(), relief })
             .collect();
         maps.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map })
+        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map, notes: Vec::new() })
     }
 
     fn load_camera(&self) -> Result<Camera> {
@@ -261,7 +270,8 @@ impl<'a> Loader<'a> {
             Normals::File { file, convention } => {
                 let x = relief.heights().x();
                 let (lattice, wrap) = (x.lattice(), x.wrap());
-                let options = NormalOptions { convention: *convention, lattice, wrap };
+                let convention = convention.unwrap_or(NormalConvention::OpenGl);
+                let options = NormalOptions { convention, lattice, wrap };
                 let map = options.read(&self.file.beside(&file.value), &self.options.limits);
                 let map = map.map_err(|e| self.file.referenced(file, "normals", e))?;
                 ShadingNormals::Map(Arc::new(map))

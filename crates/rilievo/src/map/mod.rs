@@ -16,7 +16,9 @@ pub use distance::{
 pub use height::{HeightMap, HeightMapError, RowMut, Samples};
 pub use lattice::{Axis, Lattice, Run, Wrap};
 pub use metric::Metric;
-pub use normal::{NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels};
+pub use normal::{
+    NormalAgreement, NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels,
+};
 pub use procedural::{Procedural, ProceduralError};
 
 pub(crate) use pyramid::SideBounds;

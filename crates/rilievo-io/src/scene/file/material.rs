@@ -60,6 +60,18 @@ impl MaterialEntry {
     }
 }
 
+impl MaterialEntry {
+    /// A diffuse material with an image.
+    pub fn textured(file: Located<String>, tile: DVec2, shift: DVec2) -> Self {
+        Self {
+            diffuse: Diffuse::Texture(TextureEntry { file, tile, shift }),
+            reflective: DVec3::ZERO,
+            roughness: 0.0,
+            emitted: DVec3::ZERO,
+        }
+    }
+}
+
 impl TextureEntry {
     fn read(value: &Value<'_>) -> Result<Self> {
         if !value.is_table() {

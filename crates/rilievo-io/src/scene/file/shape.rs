@@ -21,7 +21,8 @@ pub(in super::super) enum Normals {
     /// A normal map.
     File {
         file: Located<String>,
-        convention: NormalConvention,
+        /// None of a texture set, until it is measured.
+        convention: Option<NormalConvention>,
     },
 }
 
@@ -30,6 +31,9 @@ pub(in super::super) enum Normals {
 pub(in super::super) struct DisplacementEntry {
     pub map: Located<String>,
     pub displacement: Displacement,
+    /// Whether the scene says them; a texture set fills them in otherwise.
+    pub scale_written: bool,
+    pub zero_written: bool,
     pub normals: Normals,
     pub at: Range<usize>,
 }
@@ -57,6 +61,24 @@ pub(in super::super) enum Shape {
 pub(in super::super) struct ShapeEntry {
     pub shape: Shape,
     pub material: Option<Located<String>>,
+}
+
+impl Shape {
+    /// What displaces it.
+    pub fn displacement(&self) -> Option<&DisplacementEntry> {
+        match self {
+            Self::Quad(quad) => quad.displacement.as_ref(),
+            Self::Sphere { .. } | Self::Mesh { .. } => None,
+        }
+    }
+
+    /// The same, to be rewritten.
+    pub fn displacement_mut(&mut self) -> Option<&mut DisplacementEntry> {
+        match self {
+            Self::Quad(quad) => quad.displacement.as_mut(),
+            Self::Sphere { .. } | Self::Mesh { .. } => None,
+        }
+    }
 }
 
 /// The types of shapes.
@@ -161,13 +183,15 @@ impl DisplacementEntry {
         let table = value.table()?;
         let map = table.require("map")?.name()?;
         let mut displacement = Displacement::default();
-        if let Some(value) = table.get("scale") {
+        let (scale, zero) = (table.get("scale"), table.get("zero"));
+        let (scale_written, zero_written) = (scale.is_some(), zero.is_some());
+        if let Some(value) = scale {
             displacement.scale = match value.number()? {
                 0.0 => return Err(value.invalid("a number other than 0")),
                 scale => scale,
             };
         }
-        if let Some(value) = table.get("zero") {
+        if let Some(value) = zero {
             displacement.zero = value.number()?;
         }
         if let Some(value) = table.get("tile") {
@@ -181,7 +205,8 @@ impl DisplacementEntry {
         }
         let normals = table.get("normals").map_or(Ok(Normals::Smooth), |v| Normals::read(&v))?;
         table.finish()?;
-        Ok(Self { map, displacement, normals, at: value.at() })
+        let at = value.at();
+        Ok(Self { map, displacement, scale_written, zero_written, normals, at })
     }
 }
 
@@ -199,11 +224,14 @@ impl Normals {
         if value.is_table() {
             let table = value.table()?;
             let file = table.require("file")?.name()?;
-            let convention = table.require("convention")?;
-            let convention = convention.choice(&[
-                ("opengl", NormalConvention::OpenGl),
-                ("directx", NormalConvention::DirectX),
-            ])?;
+            // Of a texture set it is measured.
+            let convention = match file.value.ends_with('/') {
+                true => table.get("convention"),
+                false => Some(table.require("convention")?),
+            };
+            let conventions =
+                [("opengl", NormalConvention::OpenGl), ("directx", NormalConvention::DirectX)];
+            let convention = convention.map(|v| v.choice(&conventions)).transpose()?;
             table.finish()?;
             return Ok(Self::File { file, convention });
         }

@@ -18,8 +18,10 @@
 //! **Borders.** Differences are those of the *unfolded* map. Where a repeated vertex lattice jumps,
 //! the surface ends: a sample there has its slope from its own side only.
 
+mod agreement;
 mod stored;
 
+pub use agreement::NormalAgreement;
 pub use stored::{NormalConvention, NormalMap, NormalMapError, NormalTexels};
 
 use glam::DVec3;
