@@ -34,7 +34,7 @@ pub enum Command {
     /// Make a normal map, distance map or min-max pyramid from a height map.
     #[command(after_help = BAKE)]
     Bake(BakeArgs),
-    /// Say what a height map, a texture set, a baked map or a scene is, and the memory a render of it needs.
+    /// Say what a height map, a texture set, a model, a baked map or a scene is, and the memory a render of it needs.
     #[command(after_help = INFO)]
     Info(InfoArgs),
     /// Validate a scene with all its files, or a baked map against its height map.
@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file (TOML), or the folder of a texture set.
+    /// Scene file (TOML), the folder of a texture set, or a model (OBJ, PLY).
     pub scene: PathBuf,
     /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
     #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]
@@ -216,7 +216,7 @@ pub struct BoundsArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Height map, baked map, scene or folder of a texture set.
+    /// Height map, baked map, scene, model or folder of a texture set.
     pub file: PathBuf,
     /// Normal map to compare the height map with: which way green points, how well both agree.
     #[arg(long, value_name = "NORMALMAP")]
@@ -235,7 +235,7 @@ pub struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Scene, folder of a texture set, or baked map.
+    /// Scene, model, folder of a texture set, or baked map.
     pub file: PathBuf,
     /// The height map that the baked map was made from.
     #[arg(long, value_name = "HEIGHTMAP")]
@@ -301,6 +301,7 @@ what is done; a second one kills.
 Examples:
   rilievo render scene.toml -o out.png
   rilievo render textures/rock058/ -o rock.png
+  rilievo render spot.obj -o spot.png
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
@@ -340,6 +341,7 @@ Examples:
   rilievo info heights.png
   rilievo info heights.png --normals normals.png
   rilievo info textures/rock058/
+  rilievo info spot.obj
   rilievo info dem.tif --grid vertex --wrap clamp --resolution 1920x1080
   rilievo info heights-distance.rlv
   rilievo info scene.toml --json";

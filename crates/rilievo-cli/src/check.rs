@@ -5,7 +5,7 @@ use rilievo::map::{
 };
 use rilievo_io::image::HeightOptions;
 use rilievo_io::map_file::{BakedContent, BakedMap, BakedNormals, MapSource};
-use rilievo_io::scene::LoadOptions;
+use rilievo_io::scene::{LoadOptions, SceneFile};
 use rilievo_io::texture_set::TextureSet;
 use rilievo_io::{FileKind, Limits};
 use serde::Serialize;
@@ -35,10 +35,10 @@ pub fn run(args: &CheckArgs) -> Result<Outcome, Failure> {
         return scene(args);
     }
     match FileKind::of(&args.file)? {
-        FileKind::Text if args.map.is_some() => {
+        FileKind::Text | FileKind::Mesh(_) if args.map.is_some() => {
             Err(Failure::Usage("--map belongs to a baked map, not to a scene".to_owned()))
         }
-        FileKind::Text => scene(args),
+        FileKind::Text | FileKind::Mesh(_) => scene(args),
         FileKind::BakedMap => baked(args),
         FileKind::Image(format) => {
             let path = args.file.display();
@@ -62,7 +62,7 @@ struct SceneReport {
 
 fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
     let limits = Limits::default();
-    let files = job::read(&args.file, &limits)?.references();
+    let files = SceneFile::present(&args.file, &limits)?.references();
     let options = LoadOptions { limits, ..LoadOptions::default() };
     let loaded = job::load(&args.file, &options, args.talk)?;
     // Files that no shape uses are not loaded; they must at least be there.

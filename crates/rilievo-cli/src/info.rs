@@ -2,6 +2,7 @@
 
 mod agreement;
 mod map;
+mod model;
 mod scene;
 mod texture_set;
 
@@ -21,6 +22,7 @@ pub fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     }
     match FileKind::of(&args.file)? {
         FileKind::Image(_) => map::run(args)?,
+        FileKind::Mesh(format) => model::run(args, format)?,
         FileKind::BakedMap => baked(args)?,
         FileKind::Text => scene::run(args)?,
     }

@@ -96,23 +96,12 @@ impl RenderJob {
     }
 }
 
-/// Reads a scene file, or makes the scene that shows the texture set of a folder.
-///
-/// # Errors
-/// Of the file or the folder.
-pub fn read(path: &Path, limits: &Limits) -> Result<SceneFile, Failure> {
-    Ok(match path.is_dir() {
-        true => SceneFile::present(path, limits)?,
-        false => SceneFile::read(path, limits)?,
-    })
-}
-
 /// Reads a scene with all its files and builds the distance maps its methods need.
 ///
 /// # Errors
 /// Of the scene or any of its files.
 pub fn load(path: &Path, options: &LoadOptions<'_>, talk: Talk) -> Result<LoadedScene, Failure> {
-    let file = read(path, &options.limits)?;
+    let file = SceneFile::present(path, &options.limits)?;
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {
         drop(built.take());

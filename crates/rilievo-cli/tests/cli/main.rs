@@ -4,6 +4,7 @@ mod bad_inputs;
 mod determinism;
 mod diff;
 mod maps;
+mod models;
 mod render;
 mod stopped;
 mod support;

@@ -22,7 +22,9 @@
 
 mod file;
 mod load_map;
+mod models;
 mod options;
+mod present;
 mod resolve;
 mod sets;
 mod syntax;

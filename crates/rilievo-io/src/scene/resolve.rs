@@ -20,7 +20,6 @@ use super::options::LoadOptions;
 use super::syntax::{Located, hint};
 use crate::error::{Error, Result};
 use crate::image::{NormalOptions, read_colour};
-use crate::mesh::read_obj;
 
 /// A scene with its maps, ready to be rendered.
 #[derive(Debug)]
@@ -31,7 +30,8 @@ pub struct LoadedScene {
     pub maps: Vec<LoadedMap>,
     /// How its picture is to be shown.
     pub tone_map: ToneMap,
-    /// What was found in texture sets and assumed of them, a line each.
+    /// What was found in texture sets and assumed of them, what models hold that is not used: a
+    /// line each.
     pub notes: Vec<String>,
 }
 
@@ -54,15 +54,22 @@ impl SceneFile {
     /// displaced quad that is not a parallelogram. The place is that in the scene file.
     pub fn load(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
         let (file, notes) = self.with_sets(&options.limits)?;
-        Ok(LoadedScene { notes, ..file.load_files(options)? })
+        let mut loaded = file.load_files(options)?;
+        loaded.notes.splice(0..0, notes);
+        Ok(loaded)
     }
 
     /// The same for a scene that names no texture sets.
     fn load_files(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
         let camera = self.load_camera()?;
         let used = self.used_materials()?;
-        let mut loader =
-            Loader { file: self, options, maps: HashMap::new(), images: HashMap::new() };
+        let mut loader = Loader {
+            file: self,
+            options,
+            maps: HashMap::new(),
+            images: HashMap::new(),
+            notes: Vec::new(),
+        };
         loader.load_maps()?;
         let mut materials = Vec::new();
         for &index in &used.materials {
@@ -71,14 +78,31 @@ impl SceneFile {
                 None => Material::default(),
             });
         }
-        let mut surfaces = Vec::new();
-        for entry in &self.shapes {
-            surfaces.push(loader.surface(&entry.shape)?);
+        let (mut surfaces, mut material_of) = (Vec::new(), Vec::new());
+        for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
+            match (&entry.shape, &entry.material) {
+                (Shape::Mesh { file, world_from_object }, None) => {
+                    for (mesh, own) in loader.parts(file, world_from_object.as_ref())? {
+                        surfaces.push(mesh.into());
+                        material_of.push(match own {
+                            Some(own) => {
+                                materials.push(own);
+                                materials.len() as u32 - 1
+                            }
+                            None => material,
+                        });
+                    }
+                }
+                (shape, _) => {
+                    surfaces.push(loader.surface(shape)?);
+                    material_of.push(material);
+                }
+            }
         }
         let parts = SceneParts {
             world: World::new(surfaces),
             materials,
-            material_of: used.of_shape,
+            material_of,
             camera,
             background: self.render.background,
             ambient: self.render.ambient,
@@ -90,7 +114,7 @@ impl SceneFile {
             .map(|(name, relief)| LoadedMap { name: name.to_owned(), relief })
             .collect();
         maps.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map, notes: Vec::new() })
+        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map, notes: loader.notes })
     }
 
     fn load_camera(&self) -> Result<Camera> {
@@ -155,11 +179,13 @@ struct Used {
 }
 
 /// Loads each file once.
-struct Loader<'a> {
-    file: &'a SceneFile,
-    options: &'a LoadOptions<'a>,
+pub(super) struct Loader<'a> {
+    pub(super) file: &'a SceneFile,
+    pub(super) options: &'a LoadOptions<'a>,
     maps: HashMap<&'a str, Arc<Relief>>,
-    images: HashMap<PathBuf, Arc<ColourImage>>,
+    pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
+    /// What was not as files say, a line each.
+    pub(super) notes: Vec<String>,
 }
 
 impl<'a> Loader<'a> {
@@ -229,15 +255,8 @@ impl<'a> Loader<'a> {
                 Ok(sphere.into())
             }
             Shape::Mesh { file, world_from_object } => {
-                let path = self.file.beside(&file.value);
-                let mesh = read_obj(&path, &self.options.limits)
-                    .map_err(|e| self.file.referenced(file, "mesh", e))?;
-                let Some(place) = world_from_object else { return Ok(mesh.into()) };
-                let mesh = mesh.transformed(place.value).map_err(|e| {
-                    let allowed = "a transform that can be inverted, numbers up to 1e100";
-                    self.file.invalid(&place.at, "transform", e.to_string(), allowed.to_owned())
-                })?;
-                Ok(mesh.into())
+                let data = self.model(file)?.mesh;
+                Ok(self.placed(data, file, world_from_object.as_ref())?.into())
             }
         }
     }

@@ -35,15 +35,6 @@ struct Sets<'a> {
 }
 
 impl SceneFile {
-    /// The scene that shows a texture set.
-    ///
-    /// # Errors
-    /// Of [`TextureSet::find`], or a set without displacement.
-    pub fn present(folder: &std::path::Path, limits: &Limits) -> Result<Self> {
-        let text = TextureSet::find(folder, limits)?.presentation()?;
-        Self::parse(&text, &folder.join("presentation.toml"))
-    }
-
     /// The scene with files in place of texture sets, and what was found and assumed.
     pub(super) fn with_sets(&self, limits: &Limits) -> Result<(Cow<'_, Self>, Vec<String>)> {
         let mut sets = Sets { file: self, limits, found: HashMap::new(), notes: Vec::new() };

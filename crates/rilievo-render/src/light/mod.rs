@@ -22,6 +22,9 @@ pub use quad::QuadLight;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
 
+/// Most triangles of a mesh that is a light: each is sampled at every hit.
+const MESH_TRIANGLES: usize = 64;
+
 /// An emitter that is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
@@ -49,8 +52,8 @@ pub struct LightSample {
 }
 
 impl Light {
-    /// The lights that a surface is, if its front emits and its shape can be sampled: one, or two
-    /// triangles for a quad that is no parallelogram.
+    /// The lights that a surface is, if its front emits and its shape can be sampled: one, two
+    /// triangles for a quad that is no parallelogram, the triangles of a small mesh.
     pub(crate) fn of_surface(surface: &Surface, index: u32, emitted: Rgb) -> Vec<Self> {
         if emitted == Rgb::ZERO {
             return Vec::new();
@@ -70,6 +73,13 @@ impl Light {
                 surface: index,
                 emitted,
             })],
+            Surface::Mesh(mesh) if mesh.data().triangles.len() <= MESH_TRIANGLES => {
+                let triangles = 0..mesh.data().triangles.len() as u32;
+                triangles
+                    .map(|k| Self::Triangle(TriangleLight::new(mesh.corners(k), index, emitted)))
+                    .filter(|light| matches!(light, Self::Triangle(t) if t.has_area()))
+                    .collect()
+            }
             Surface::Mesh(_) | Surface::Face(_) => Vec::new(),
         }
     }
@@ -131,6 +141,8 @@ fn clear_share(from: DVec3, to: DVec3, normal: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rilievo::mesh::{Mesh, MeshData, Triangle};
+
     use super::*;
     use crate::sampler::chi_square::independent_points;
 
@@ -179,6 +191,28 @@ mod tests {
             // From above, its back is seen.
             assert!(light.view(DVec3::Z * (height + 1.0)).is_none());
         }
+    }
+
+    #[test]
+    fn a_small_mesh_is_its_triangles() {
+        let corners = [[0.0, 0.0], [0.0, 3.0], [2.0, 3.0], [2.0, 0.0]];
+        let positions = corners.map(|[x, y]| DVec3::new(x, y, 1.5)).to_vec();
+        let triangle = |positions| Triangle { positions, normals: None, uvs: None };
+        let mut triangles = vec![triangle([0, 1, 2]), triangle([0, 2, 3]), triangle([1, 1, 2])];
+        let data = MeshData { positions, triangles: triangles.clone(), ..MeshData::default() };
+        let lights = |data| Light::of_surface(&Mesh::new(data).unwrap().into(), 7, Rgb::splat(2.0));
+        let found = lights(data.clone());
+        assert_eq!(found.len(), 2);
+        let (mut mean, mut error) = (0.0, 0.0);
+        for light in &found {
+            let (part, part_error) = irradiance(light, DVec3::ZERO, DVec3::Z);
+            (mean, error) = (mean + part, error + part_error);
+            assert_eq!(light.surface(), 7);
+        }
+        let expected = corner_formula(1.5);
+        assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");
+        triangles.resize(MESH_TRIANGLES + 1, triangles[0]);
+        assert!(lights(MeshData { triangles, ..data }).is_empty());
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! [`TriangleLight`]: one half of a quad that is no parallelogram, sampled uniformly by area.
+//! [`TriangleLight`]: one half of a quad that is no parallelogram, or a triangle of a small mesh,
+//! sampled uniformly by area.
 
 use glam::{DVec2, DVec3};
 
@@ -23,6 +24,11 @@ impl TriangleLight {
         let edges = [corners[1] - corners[0], corners[2] - corners[0]];
         let normal = edges[0].cross(edges[1]).normalize_or_zero();
         Self { corner: corners[0], edges, normal, surface, emitted }
+    }
+
+    /// Whether there is a point to sample.
+    pub(super) fn has_area(&self) -> bool {
+        self.normal != DVec3::ZERO
     }
 
     /// A point of the light; nothing where its front is not seen from `point`.

@@ -12,6 +12,7 @@
 pub(crate) mod crossing;
 mod data;
 pub(crate) mod departure;
+mod smooth;
 #[cfg(test)]
 pub(crate) mod solids;
 pub(crate) mod triangle;
