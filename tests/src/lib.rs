@@ -12,3 +12,4 @@ pub mod oracle;
 pub mod random;
 pub mod rays;
 pub mod scenes;
+pub mod sphere;

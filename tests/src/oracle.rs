@@ -245,7 +245,9 @@ impl<'a> Oracle<'a> {
                 at[stand.axis] = stand.coordinate;
                 Start { part, at, offset: face.z }
             }
-            Part::Whole | Part::Triangle(_) => Start { part, at, offset: face.z },
+            Part::Whole | Part::Triangle(_) | Part::CubeCell(..) => {
+                Start { part, at, offset: face.z }
+            }
         }
     }
 

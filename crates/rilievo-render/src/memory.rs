@@ -59,6 +59,19 @@ impl MemoryUse {
                         all.bounds += map.bytes();
                     }
                 }
+                Surface::ReliefSphere(sphere) => {
+                    all.geometry += size_of_val(sphere.as_ref()) as u64;
+                    if first(Arc::as_ptr(sphere.relief()).cast()) {
+                        let (heights, bounds) = sphere.relief().bytes();
+                        all.heights += heights;
+                        all.bounds += bounds;
+                    }
+                    if let ShadingNormals::Map(map) = &sphere.options().normals
+                        && first(Arc::as_ptr(map).cast())
+                    {
+                        all.bounds += map.bytes();
+                    }
+                }
             }
         }
         for material in scene.materials() {

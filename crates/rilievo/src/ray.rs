@@ -11,6 +11,8 @@
 
 use glam::DVec3;
 
+use crate::map::CubeFace;
+
 /// A half-line or a segment, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -46,6 +48,8 @@ pub enum Part {
     Cell(i32, i32),
     /// An upright wall of a relief, on its border or on a seam between two tiles.
     Wall(Wall),
+    /// A cell of a displaced sphere: the face of the cube around it, and the cell's lattice indices.
+    CubeCell(CubeFace, u32, u32),
 }
 
 /// The lattice line on which an upright wall of a relief stands.

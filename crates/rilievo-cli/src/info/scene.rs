@@ -96,7 +96,7 @@ impl Report {
         };
         for surface in scene.world().surfaces() {
             match surface {
-                Surface::Face(_) => report.reliefs += 1,
+                Surface::Face(_) | Surface::ReliefSphere(_) => report.reliefs += 1,
                 Surface::Quad(_) => report.quads += 1,
                 Surface::Sphere(_) => report.spheres += 1,
                 Surface::Mesh(mesh) => {

@@ -1,5 +1,6 @@
 //! Maps: height maps and what is derived from them.
 
+mod cube;
 mod distance;
 mod height;
 mod lattice;
@@ -9,6 +10,8 @@ mod procedural;
 mod pyramid;
 mod statistics;
 
+pub(crate) use cube::direction as cube_direction;
+pub use cube::{CubeFace, CubeHeights, CubeHeightsError, ResamplingError};
 pub use distance::{
     Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
     DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,

@@ -3,7 +3,8 @@
 //!
 //! **The surface.** `S(u, v) = P(u, v) + offset(u, v) N` with
 //! `offset = scale (H(u tile + shift) - zero)` and H bilinear between samples. Exact means: a
-//! method reports the hit of the brute force over every cell, for every ray.
+//! method reports the hit of the brute force over every cell, for every ray. What follows is about
+//! parallelograms; [`ReliefSphere`] has a base of its own (`sphere`).
 //!
 //! | method | looks at | needs | exact |
 //! |---|---|---|---|
@@ -34,6 +35,7 @@ mod placement;
 mod refine;
 mod shading;
 mod shell;
+mod sphere;
 mod tile;
 mod trace;
 mod walk;
@@ -49,6 +51,8 @@ pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
+pub(crate) use sphere::SphereCrossing;
+pub use sphere::{CubeRelief, ReliefSphere, ReliefSphereError, SphereOptions};
 pub use trace::Crossing;
 
 /// A height map with what was derived from it; one relief serves any number of faces.

@@ -9,7 +9,7 @@ use crate::mesh::crossing::Crossing;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
 use crate::ray::Ray;
-use crate::relief::{self, ReliefFace};
+use crate::relief::{self, ReliefFace, ReliefSphere, SphereCrossing};
 
 use super::{Quad, Sphere, Surface};
 
@@ -24,6 +24,8 @@ pub(super) enum Meeting<'a> {
     Mesh(&'a Mesh, u32, Crossing),
     /// A relief.
     Face(&'a ReliefFace, relief::Crossing),
+    /// A displaced sphere.
+    ReliefSphere(&'a ReliefSphere, SphereCrossing),
 }
 
 impl Meeting<'_> {
@@ -34,6 +36,7 @@ impl Meeting<'_> {
             Self::Quad(_, _, crossing) | Self::Mesh(_, _, crossing) => crossing.t,
             Self::Sphere(_, t, _) => *t,
             Self::Face(_, crossing) => crossing.t,
+            Self::ReliefSphere(_, crossing) => crossing.t,
         }
     }
 
@@ -44,6 +47,7 @@ impl Meeting<'_> {
             Self::Sphere(sphere, t, front) => sphere.complete(ray, *t, *front),
             Self::Mesh(mesh, index, crossing) => mesh.complete(*index, crossing),
             Self::Face(face, crossing) => face.complete(ray, crossing),
+            Self::ReliefSphere(sphere, crossing) => sphere.complete(crossing),
         }
     }
 }
@@ -72,6 +76,9 @@ impl Surface {
                 Meeting::Mesh(mesh, index, crossing)
             }
             Self::Face(face) => Meeting::Face(face, face.first_crossing(ray, probe)?),
+            Self::ReliefSphere(sphere) => {
+                Meeting::ReliefSphere(sphere, sphere.first_crossing(ray, probe)?)
+            }
         })
     }
 }

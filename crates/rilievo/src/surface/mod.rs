@@ -25,7 +25,7 @@ use crate::mesh::Mesh;
 use crate::mesh::departure::{Departure, Shell};
 use crate::probe::Probe;
 use crate::ray::{Origin, Ray};
-use crate::relief::ReliefFace;
+use crate::relief::{ReliefFace, ReliefSphere};
 
 /// Anything a ray can meet.
 #[derive(Clone, Debug)]
@@ -38,6 +38,8 @@ pub enum Surface {
     Mesh(Mesh),
     /// A displaced parallelogram; boxed, being the largest.
     Face(Box<ReliefFace>),
+    /// A displaced sphere.
+    ReliefSphere(Box<ReliefSphere>),
 }
 
 impl From<Quad> for Surface {
@@ -64,6 +66,12 @@ impl From<ReliefFace> for Surface {
     }
 }
 
+impl From<ReliefSphere> for Surface {
+    fn from(sphere: ReliefSphere) -> Self {
+        Self::ReliefSphere(Box::new(sphere))
+    }
+}
+
 impl Surface {
     /// The nearest hit within `0 <= t <= t_max`. `ray.from`, if any, is on this surface;
     /// `hit.surface` is 0.
@@ -85,6 +93,7 @@ impl Surface {
             Self::Sphere(sphere) => sphere.bounds(),
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Face(face) => face.bounds(),
+            Self::ReliefSphere(sphere) => sphere.bounds(),
         }
     }
 
@@ -95,6 +104,7 @@ impl Surface {
             Self::Sphere(_) => None,
             Self::Mesh(mesh) => mesh.departure(from),
             Self::Face(face) => Some(Departure::Shell(face.as_ref())),
+            Self::ReliefSphere(sphere) => Some(Departure::Shell(sphere.as_ref())),
         }
     }
 
@@ -110,6 +120,7 @@ impl Surface {
             Self::Sphere(sphere) => sphere.occludes(ray),
             Self::Mesh(mesh) => mesh.occludes_after(ray, departure, probe),
             Self::Face(face) => face.occludes(ray, probe),
+            Self::ReliefSphere(sphere) => sphere.occludes(ray, probe),
         }
     }
 }
@@ -129,5 +140,16 @@ impl Shell for ReliefFace {
         }
         let base = [corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v];
         std::array::from_fn(|k| base[k % 4] + ends[k / 4] * normal)
+    }
+}
+
+impl Shell for ReliefSphere {
+    /// The box around it.
+    fn hull(&self) -> [DVec3; 8] {
+        let Aabb { min, max } = self.bounds();
+        std::array::from_fn(|k| {
+            let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        })
     }
 }

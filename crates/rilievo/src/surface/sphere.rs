@@ -5,9 +5,7 @@
 //! from the product and the sum that do not cancel either. A ray that starts on the sphere knows
 //! one root, `t = 0`; the other is `-2 (o - c) . d / (d . d)`, no epsilon needed.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use thiserror::Error;
 
 use crate::accel::Aabb;
@@ -15,6 +13,7 @@ use crate::accel::rounding::gamma;
 use crate::hit::Hit;
 use crate::mesh::COORDINATE_LIMIT;
 use crate::ray::{Part, Ray};
+use crate::spherical;
 
 /// A sphere with poles on the z axis. u is the longitude over 360 degrees, from +x towards +y, in
 /// [0, 1), 0 at the poles; v is 0 at the south pole (-z) and 1 at the north pole, and linear in
@@ -76,15 +75,10 @@ impl Sphere {
     pub(crate) fn complete(&self, ray: &Ray, t: f64, front: bool) -> Hit {
         let normal = self.outwards(ray, t);
         let arm = self.radius * normal;
-        let (position, uv) = (self.center + arm, sphere_uv(normal));
+        let (position, uv) = (self.center + arm, spherical::uv(normal));
         // A unit vector carries 4 roundings a component, its product 1, the sum 1.
         let rounding = gamma(5) * arm.abs() + gamma(1) * position.abs();
-        let parallel = DVec2::new(normal.x, normal.y);
-        let meridian = parallel.try_normalize().unwrap_or(DVec2::X);
-        let tangents = [
-            TAU * self.radius * DVec3::new(-normal.y, normal.x, 0.0),
-            PI * self.radius * (-normal.z * meridian).extend(parallel.length()),
-        ];
+        let tangents = spherical::tangents(self.radius, normal);
         Hit {
             t,
             position,
@@ -138,19 +132,12 @@ impl Sphere {
     }
 }
 
-/// Parameters of the point in direction `normal` from the centre.
-fn sphere_uv(normal: DVec3) -> DVec2 {
-    let turns = normal.y.atan2(normal.x) / TAU;
-    let u = if turns < 0.0 { turns + 1.0 } else { turns };
-    // Just below the date line the sum rounds to 1; at the poles atan2 may be pi for x = -0.
-    let on_axis = normal.x == 0.0 && normal.y == 0.0;
-    let u = if u >= 1.0 || on_axis { 0.0 } else { u };
-    let latitude = normal.z.atan2(normal.x.hypot(normal.y));
-    DVec2::new(u, (0.5 + latitude / PI).clamp(0.0, 1.0))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use glam::DVec2;
+
     use super::*;
     use crate::accel::random::Random;
 
@@ -183,12 +170,14 @@ mod tests {
         assert_eq!(at(-DVec3::X), DVec2::new(0.5, 0.5));
         assert_eq!(at(-DVec3::Y), DVec2::new(0.75, 0.5));
         for pole in [DVec3::new(-0.0, 0.0, 1.0), DVec3::new(-0.0, -0.0, -1.0)] {
-            assert_eq!(sphere_uv(pole).x, 0.0);
+            assert_eq!(spherical::uv(pole).x, 0.0);
         }
         // Either side of the date line, down to the smallest step.
         for step in [1e-3, 1e-16, 1e-300, f64::MIN_POSITIVE] {
-            let (east, west) =
-                (sphere_uv(DVec3::new(1.0, step, 0.0)), sphere_uv(DVec3::new(1.0, -step, 0.0)));
+            let (east, west) = (
+                spherical::uv(DVec3::new(1.0, step, 0.0)),
+                spherical::uv(DVec3::new(1.0, -step, 0.0)),
+            );
             assert!(east.x < 1e-3 && (west.x > 0.999 || west.x == 0.0) && west.x < 1.0);
         }
     }

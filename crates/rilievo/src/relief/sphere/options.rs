@@ -1,0 +1,99 @@
+//! What a user says about a displaced sphere besides its place and its map, and why it is refused.
+
+use glam::DVec3;
+
+use crate::mesh::COORDINATE_LIMIT;
+use crate::relief::method::Method;
+use crate::relief::options::{Displacement, ShadingNormals};
+use crate::simd::SimdLevel;
+
+/// Everything about a displaced sphere but its place and its map.
+#[derive(Clone, Debug, Default)]
+pub struct SphereOptions {
+    /// How the map is laid on the sphere: `tile` must be 1 and `shift` 0, the map lies on it once.
+    pub displacement: Displacement,
+    /// How rays are walked: [`Method::Dda`] or [`Method::Pyramid`].
+    pub method: Method,
+    /// Which normals to shade with; those of the paper are for faces only.
+    pub normals: ShadingNormals,
+    /// Vector instructions of the walk; no answer depends on it.
+    pub simd: SimdLevel,
+}
+
+/// Why a displaced sphere was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReliefSphereError {
+    /// The centre is NaN, infinite or too large.
+    #[error("the centre is not finite or larger than 1e100")]
+    Center,
+    /// The radius is not usable.
+    #[error("the radius is {0}, not a number from 1e-100 to 1e100")]
+    Radius(f64),
+    /// A number of the displacement is out of its range.
+    #[error("displacement {key} is {value}; {allowed}")]
+    Displacement {
+        /// The key at fault.
+        key: &'static str,
+        /// The value found.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The displacement reaches the centre.
+    #[error(
+        "the surface lies {lowest} to {highest} from the centre; radius + offset must stay above 0 and below 1e100"
+    )]
+    Inverted {
+        /// The smallest radius plus offset.
+        lowest: f64,
+        /// The largest.
+        highest: f64,
+    },
+    /// The method is for faces only.
+    #[error("method {0} is not there for spheres; dda and pyramid are")]
+    Method(Method),
+    /// The normals are for faces only.
+    #[error(
+        "the normals of the paper's figures are for faces; spheres have smooth, exact or those of a map"
+    )]
+    Normals,
+}
+
+/// Checks everything but the radii that the displacement leads to.
+pub(super) fn check(
+    center: DVec3,
+    radius: f64,
+    options: &SphereOptions,
+) -> Result<(), ReliefSphereError> {
+    if !center.abs().cmple(DVec3::splat(COORDINATE_LIMIT)).all() {
+        return Err(ReliefSphereError::Center);
+    }
+    if !(1.0 / COORDINATE_LIMIT..=COORDINATE_LIMIT).contains(&radius) {
+        return Err(ReliefSphereError::Radius(radius));
+    }
+    let refuse = |key, value, allowed| Err(ReliefSphereError::Displacement { key, value, allowed });
+    let Displacement { scale, zero, tile, shift } = options.displacement;
+    if !scale.is_finite() || scale == 0.0 {
+        return refuse("scale", scale, "finite and not 0");
+    }
+    if !zero.is_finite() {
+        return refuse("zero", zero, "finite");
+    }
+    for value in tile {
+        if value != 1.0 {
+            return refuse("tile", value, "1: a map lies on a sphere once");
+        }
+    }
+    for value in shift {
+        if value != 0.0 {
+            return refuse("shift", value, "0: a map lies on a sphere from longitude 0 on");
+        }
+    }
+    if !matches!(options.method, Method::Dda | Method::Pyramid) {
+        return Err(ReliefSphereError::Method(options.method));
+    }
+    if matches!(options.normals, ShadingNormals::Published | ShadingNormals::WrongMetric) {
+        return Err(ReliefSphereError::Normals);
+    }
+    Ok(())
+}
