@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file (TOML), the folder of a texture set, or a model (OBJ, PLY).
+    /// Scene file (TOML), the folder of a texture set, or a model (OBJ, PLY, glTF, GLB).
     pub scene: PathBuf,
     /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
     #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]

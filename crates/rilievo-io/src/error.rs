@@ -88,6 +88,8 @@ pub enum Place {
         /// Row.
         y: u32,
     },
+    /// A value of a JSON document, by its pointer (RFC 6901).
+    Pointer(String),
     /// A piece of text.
     Text(Excerpt),
 }
@@ -134,6 +136,7 @@ impl fmt::Display for Place {
             Self::File => f.write_str("file"),
             Self::Header => f.write_str("header"),
             Self::Sample { x, y } => write!(f, "sample ({x}, {y}) from the top left"),
+            Self::Pointer(pointer) => f.write_str(pointer),
             Self::Text(e) => write!(f, "{}:{}", e.line, e.column),
         }
     }

@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM | EXR, PNG |
 //! | [`map_file`] | baked normals, distances, min-max bounds | the same |
-//! | [`mesh`] | models: OBJ with MTL, PLY | |
+//! | [`mesh`] | models: OBJ with MTL, PLY, glTF, GLB | |
 //! | [`scene`] | TOML scenes, with all the files they name | |
 //! | [`texture_set`] | folders of maps, by their names | |
 //!

@@ -42,7 +42,7 @@ pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 use crate::error::Result;
 use crate::guard::guarded;
 use crate::limits::Limits;
-use source::{Context, Flow, Row, Sink, Source};
+use source::{Flow, Row, Sink, Source};
 
 /// The image formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +108,18 @@ fn decode(mut source: Source<'_>, sink: &mut dyn Sink) -> Result<()> {
 /// # Errors
 /// As the readers, for what the header shows.
 pub fn read_image_info(path: &Path, limits: &Limits) -> Result<ImageInfo> {
+    info_of(Source::open(path, limits)?)
+}
+
+/// Reads the header of an image in bytes; `name` is what errors call them.
+///
+/// # Errors
+/// As [`read_image_info`].
+pub fn read_image_info_bytes(bytes: &[u8], name: &Path, limits: &Limits) -> Result<ImageInfo> {
+    info_of(Source::from_bytes(bytes, name, limits))
+}
+
+fn info_of(source: Source<'_>) -> Result<ImageInfo> {
     /// Keeps the header.
     struct Header(Option<ImageInfo>);
 
@@ -121,7 +133,7 @@ pub fn read_image_info(path: &Path, limits: &Limits) -> Result<ImageInfo> {
     }
 
     let mut header = Header(None);
-    let source = Source::open(path, limits)?;
+    let context = source.context;
     decode(source, &mut header)?;
-    header.0.ok_or_else(|| Context { path, limits }.damaged("no header"))
+    header.0.ok_or_else(|| context.damaged("no header"))
 }

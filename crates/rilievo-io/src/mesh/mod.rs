@@ -1,9 +1,10 @@
-//! Mesh files: Wavefront OBJ with MTL, and PLY.
+//! Mesh files: Wavefront OBJ with MTL, PLY, glTF 2.0 and GLB.
 //!
 //! A [`Model`] is what a file holds; [`Model::mesh`] is checked and ready to be traced once
-//! [`Mesh::new`] has taken it. The format is told from the content, for OBJ, which has no mark, from
-//! the name.
+//! [`Mesh::new`] has taken it. The format is told from the content, for OBJ and glTF, which have no
+//! mark, from the name.
 
+mod gltf;
 mod model;
 mod mtl;
 mod obj;
@@ -11,6 +12,8 @@ mod ply;
 mod presentation;
 mod words;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use rilievo::mesh::Mesh;
@@ -30,19 +33,30 @@ pub enum MeshFormat {
     Obj,
     /// Stanford PLY.
     Ply,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 in one binary file.
+    Glb,
 }
 
 impl MeshFormat {
     /// What is read, in words.
-    pub(crate) const NAMES: &'static str = "OBJ, PLY";
+    pub(crate) const NAMES: &'static str = "OBJ, PLY, glTF, GLB";
 
     /// The format of a file called `path` that begins with `head`.
     pub fn of(head: &[u8], path: &Path) -> Option<Self> {
         if let [b'p', b'l', b'y', b'\n' | b'\r' | b' ', ..] = head {
             return Some(Self::Ply);
         }
-        let ending = path.extension()?.to_str()?;
-        ending.eq_ignore_ascii_case("obj").then_some(Self::Obj)
+        if head.starts_with(gltf::MAGIC) {
+            return Some(Self::Glb);
+        }
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "obj" => Some(Self::Obj),
+            "gltf" => Some(Self::Gltf),
+            "glb" => Some(Self::Glb),
+            _ => None,
+        }
     }
 }
 
@@ -51,39 +65,69 @@ impl std::fmt::Display for MeshFormat {
         f.write_str(match self {
             Self::Obj => "OBJ",
             Self::Ply => "PLY",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
         })
     }
 }
 
+/// Whether files that a model names may be opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Beside {
+    Files,
+    Nothing,
+}
+
+impl Beside {
+    /// The bytes of a file.
+    fn read(self, path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+        match self {
+            Self::Files => limits.read(path),
+            Self::Nothing => Err(Error::io(path, std::io::ErrorKind::NotFound.into())),
+        }
+    }
+
+    /// The first bytes of a file; none where files are not opened.
+    fn head(self, path: &Path) -> Result<Option<Vec<u8>>> {
+        let fail = |e| Error::io(path, e);
+        match self {
+            Self::Files => {
+                let mut head = Vec::new();
+                let file = File::open(path).map_err(fail)?;
+                file.take(16).read_to_end(&mut head).map_err(fail)?;
+                Ok(Some(head))
+            }
+            Self::Nothing => Ok(None),
+        }
+    }
+}
+
 impl Model {
-    /// Reads a model and the files it names beside it, but for images.
+    /// Reads a model and the files it names beside it; of images only the headers, if at all.
     ///
     /// # Errors
     /// Of the file or its size; content that breaks its format; a format that is not known. A file
     /// without faces is a model without triangles.
     pub fn read(path: &Path, limits: &Limits) -> Result<Self> {
-        let beside = |path: &Path| limits.read(path);
-        Self::decode(&limits.read(path)?, path, limits, &beside)
+        Self::decode(&limits.read(path)?, path, limits, Beside::Files)
     }
 
     /// Reads a model from bytes; `name` is what errors call them. No other file is opened.
     ///
     /// # Errors
-    /// As [`Model::read`]; of OBJ files materials are missing, which is no error.
+    /// As [`Model::read`]; a glTF buffer in a file. Of OBJ files materials are missing, which is no
+    /// error.
     pub fn read_bytes(bytes: &[u8], name: &Path, limits: &Limits) -> Result<Self> {
-        let beside = |path: &Path| Err(Error::io(path, std::io::ErrorKind::NotFound.into()));
-        Self::decode(bytes, name, limits, &beside)
+        Self::decode(bytes, name, limits, Beside::Nothing)
     }
 
-    fn decode(
-        bytes: &[u8],
-        name: &Path,
-        limits: &Limits,
-        beside: &dyn Fn(&Path) -> Result<Vec<u8>>,
-    ) -> Result<Self> {
+    fn decode(bytes: &[u8], name: &Path, limits: &Limits, beside: Beside) -> Result<Self> {
         match MeshFormat::of(bytes, name) {
-            Some(MeshFormat::Obj) => obj::read(bytes, name, limits, beside),
+            Some(MeshFormat::Obj) => {
+                obj::read(bytes, name, limits, &|path| beside.read(path, limits))
+            }
             Some(MeshFormat::Ply) => ply::read(bytes, name, limits),
+            Some(MeshFormat::Gltf | MeshFormat::Glb) => gltf::read(bytes, name, limits, beside),
             None => {
                 let found = match bytes {
                     [] => "an empty file".to_owned(),

@@ -358,10 +358,9 @@ mod tests {
 
     #[test]
     fn lists_that_are_not_there_are_not_needed() {
-        let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1/1/1 2/2/2 3/3/3\n";
-        let mesh = read(square).unwrap();
-        assert_eq!(mesh.data().triangles[0].uvs, None);
-        assert_eq!(mesh.data().triangles[0].normals, None);
+        let mesh = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1/1/1 2/2/2 3/3/3\n").unwrap();
+        let triangle = mesh.data().triangles[0];
+        assert_eq!((triangle.uvs, triangle.normals), (None, None));
     }
 
     #[test]

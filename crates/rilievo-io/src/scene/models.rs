@@ -1,7 +1,7 @@
 //! Meshes of a scene with the materials of their own files.
 //!
 //! What the renderer has is used: base colour as a number or an image, mirror reflectance,
-//! roughness, emission. A metal (metalness from 0.5) reflects its base colour and diffuses nothing.
+//! roughness, emission. A metal (metalness from 0.5, without an image of it) reflects its base colour and diffuses nothing.
 //! The rest of a material stays in the [`Model`] and is not used yet. An image that cannot be read
 //! costs the image, not the scene; a note says so.
 
@@ -74,7 +74,8 @@ impl Loader<'_> {
 
     /// What the renderer has of a material.
     fn model_material(&mut self, from: &ModelMaterial) -> Material {
-        let metal = from.metalness >= METAL;
+        // What an image makes of it differs from place to place; most surfaces are no metal.
+        let metal = from.metalness >= METAL && from.metalness_map.is_none();
         let diffuse = match from.colour_map.as_ref().and_then(|image| self.colour_image(image)) {
             _ if metal => Reflectance::Uniform(Rgb::ZERO),
             Some(texture) => Reflectance::Textured(texture),
