@@ -273,10 +273,7 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
     fn run<L: Lanes>(self) -> Option<Crossing> {
         let Self { face, ray, probe } = self;
         let ReliefFace { placement, relief, options, .. } = face;
-        let map_ray = placement.map_ray(ray, options.closed)?;
-        let trace = Trace { placement, relief, options };
-        let crossing = trace.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe)?;
-        (crossing.t <= ray.t_max).then_some(crossing)
+        Trace { placement, relief, options }.first_crossing::<L, P>(ray, probe)
     }
 }
 

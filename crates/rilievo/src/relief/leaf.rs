@@ -172,7 +172,7 @@ impl Gap {
         if !(crosses || (b1 < 0.0 && discriminant >= 0.0)) {
             return None;
         }
-        let root = discriminant.max(0.0).sqrt();
+        let root = larger(discriminant, 0.0).sqrt();
         if admit.admits(above) {
             let q = if b1 <= 0.0 {
                 // 0/0 only if the ray lies in the surface: the start is the first point.

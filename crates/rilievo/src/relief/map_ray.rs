@@ -114,11 +114,21 @@ fn axis_ray(exact: &ExactRay, window: &Window, axis: usize) -> AxisRay {
     AxisRay {
         o: (start - base) as f32,
         d: direction.abs() as f32,
-        base: (sign * base) as i32,
+        base: whole(sign * base),
         backward,
         lo: (near - base) as f32,
         hi: (far - base) as f32,
     }
+}
+
+/// `1.5 * 2^52`: adding it leaves no room for a fraction, and the low bits count wholes.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// A whole number below 2^31 in size: in vectors too, for which a cast that saturates has no
+/// instruction.
+#[inline(always)]
+fn whole(x: f64) -> i32 {
+    (x + WHOLE).to_bits() as i32
 }
 
 impl MapRay {
@@ -239,11 +249,12 @@ impl MapRay {
         if self.backward[axis] { self.base[axis] - f } else { self.base[axis] + f }
     }
 
-    /// Parameters at which the ray enters and leaves the window, if it crosses it after `s = 0`.
+    /// Parameters at which the ray enters and leaves the window after `s = 0`; it passes it by unless
+    /// the first is below the second.
     #[inline(always)]
-    pub fn window_span(&self) -> Option<(f32, f32)> {
+    pub fn window_span(&self) -> (f32, f32) {
         let enter = larger(larger(self.t(0, self.lo[0]), self.t(1, self.lo[1])), 0.0);
         let leave = smaller(smaller(self.t(0, self.hi[0]), self.t(1, self.hi[1])), 1.0);
-        (enter < leave).then_some((enter, leave))
+        (enter, leave)
     }
 }

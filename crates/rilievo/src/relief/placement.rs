@@ -117,22 +117,33 @@ impl Placement {
     #[inline(always)]
     pub fn map_ray(&self, ray: &Ray, closed: bool) -> Option<MapRay> {
         let shell = self.shell(closed);
-        let mut start = LatticeRay {
-            origin: self.lattice_from_world * (ray.origin - self.corner) + self.lattice_corner,
-            direction: self.lattice_from_world * ray.direction,
-            lift: 0.0,
-            t_max: ray.t_max,
-        };
+        let (origin, direction) = self.lattice_from_world(ray.origin, ray.direction);
+        let mut start = LatticeRay { origin, direction, lift: 0.0, t_max: ray.t_max };
         if let Some(Origin { part, front, .. }) = ray.from {
             match part {
                 Part::Wall(wall) => {
                     self.leave_wall(wall, &mut start.origin, start.direction)?;
                 }
-                _ => start.lift = if front == self.rises { self.lift } else { -self.lift },
+                _ => start.lift = self.lift(front),
             }
         }
         let clipped = shell.clip(&start);
         clipped.valid.then(|| self.rounded(&clipped, start.lift))
+    }
+
+    /// Start and direction of a ray in lattice space.
+    #[inline(always)]
+    pub fn lattice_from_world(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        (
+            self.lattice_from_world * (origin - self.corner) + self.lattice_corner,
+            self.lattice_from_world * direction,
+        )
+    }
+
+    /// What is added to the height of a ray that starts on the surface and leaves towards a side.
+    #[inline(always)]
+    pub fn lift(&self, front: bool) -> f64 {
+        if front == self.rises { self.lift } else { -self.lift }
     }
 
     /// The box in which rays are walked.
@@ -180,6 +191,20 @@ impl Placement {
         }
         origin[axis] = line;
         Some(())
+    }
+
+    /// Corner heights of an unfolded cell of the window, `[h00, h10, h01, h11]`.
+    #[inline(always)]
+    pub fn corners(&self, heights: &HeightMap, cell: [i32; 2]) -> [f32; 4] {
+        match self.unfolding {
+            Some([x, y]) => {
+                let [a, b, c, d] =
+                    heights.stored_corners(x.stored(cell[0]) as u32, y.stored(cell[1]) as u32);
+                let [a, b, c, d] = if x.falls() { [b, a, d, c] } else { [a, b, c, d] };
+                if y.falls() { [c, d, a, b] } else { [a, b, c, d] }
+            }
+            None => heights.unfolded_corners(cell[0], cell[1]),
+        }
     }
 
     /// Axis and lattice coordinate of a wall's line.

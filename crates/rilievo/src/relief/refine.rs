@@ -44,18 +44,19 @@ pub(crate) fn crosses(ray: &ExactRay, heights: &HeightMap, s0: f64, from_above: 
     if from_above { !(before < 0.0 && after > 0.0) } else { !(before > 0.0 && after < 0.0) }
 }
 
-/// Finds the crossing near `s0`: see [`refine_across`]. Nearly every root lies inside of `cell`, and
-/// the window does not cut the cell: then nothing has to be kept inside of anything.
+/// The crossing near `s0` over a cell with corner heights `h`, and whether it lies inside of the
+/// cell, which the window must not cut: so with nearly every root. If not, the numbers mean nothing,
+/// and [`across`] finds the root. Choices are selections, not branches, so that a loop over rays
+/// becomes vectors.
 #[inline(always)]
-pub(crate) fn refine(
+pub(crate) fn inside(
     ray: &ExactRay,
-    heights: &HeightMap,
     window: &Window,
-    cell: [i32; 2],
+    (cell, h): ([i32; 2], [f32; 4]),
     s0: f64,
-) -> Root {
+) -> (Root, bool) {
     let corner = [f64::from(cell[0]), f64::from(cell[1])];
-    let quad = Quadratic::new(ray, heights.unfolded_corners(cell[0], cell[1]), corner, s0);
+    let quad = Quadratic::new(ray, h, corner, s0);
     let e = quad.root(s0);
     let x = quad.at[0] + e * ray.direction[0];
     let y = quad.at[1] + e * ray.direction[1];
@@ -63,16 +64,13 @@ pub(crate) fn refine(
         & (window.lo[1] <= corner[1])
         & (window.hi[0] >= corner[0] + 1.0)
         & (window.hi[1] >= corner[1] + 1.0);
-    if whole & (0.0..=1.0).contains(&x) & (0.0..=1.0).contains(&y) {
-        return quad.root_at(ray, cell, s0 + e, [x, y]);
-    }
-    refine_across(ray, heights, window, cell, s0)
+    let within = (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0);
+    (quad.root_at(ray, cell, s0 + e, [x, y]), whole & within)
 }
 
 /// Finds the crossing near `s0`, first in `cell`, then in the neighbours the root leads to, never
 /// outside of the window.
-#[inline(never)]
-fn refine_across(
+pub(crate) fn across(
     ray: &ExactRay,
     heights: &HeightMap,
     window: &Window,
@@ -209,12 +207,11 @@ impl Quadratic {
     fn root(&self, s0: f64) -> f64 {
         let [g0, g1, g2] = self.g;
         let discriminant = g1 * g1 - 4.0 * g2 * g0;
-        let e = if discriminant >= 0.0 {
-            -2.0 * g0 / (g1 + discriminant.sqrt().copysign(g1))
-        } else {
-            -g1 / (2.0 * g2)
-        };
-        if e.is_finite() { e.max(-s0) } else { 0.0 }
+        let meets = discriminant >= 0.0;
+        let below = if meets { g1 + discriminant.abs().sqrt().copysign(g1) } else { 2.0 * g2 };
+        let e = (if meets { -2.0 * g0 } else { -g1 }) / below;
+        let kept = if e > -s0 { e } else { -s0 };
+        if e.abs() < f64::INFINITY { kept } else { 0.0 }
     }
 
     /// The root at parameter `s` and local coordinates of the patch.
@@ -254,6 +251,20 @@ mod tests {
         Window { lo: [0.0; 2], hi }
     }
 
+    fn refined(
+        ray: &ExactRay,
+        heights: &HeightMap,
+        window: &Window,
+        cell: [i32; 2],
+        s0: f64,
+    ) -> Root {
+        let h = heights.unfolded_corners(cell[0], cell[1]);
+        let (root, inside) = inside(ray, window, (cell, h), s0);
+        let followed = across(ray, heights, window, cell, s0);
+        assert!(!inside || (root.s, root.local) == (followed.s, followed.local));
+        followed
+    }
+
     #[test]
     fn a_rounded_start_gives_the_root_to_double_precision() {
         // Saddle z = x y met by the ray (0.1 + 0.8 s, 0.2 + 0.5 s, 1 - s).
@@ -261,7 +272,7 @@ mod tests {
         let ray = ray([0.1, 0.2, 1.0], [0.8, 0.5, -1.0]);
         // 0.4 s^2 + 1.21 s - 0.98 = 0.
         let want = (-1.21 + (1.21f64 * 1.21 + 4.0 * 0.4 * 0.98).sqrt()) / 0.8;
-        let root = refine(&ray, &saddle, &window([1.0, 1.0]), [0, 0], want + 3e-7);
+        let root = refined(&ray, &saddle, &window([1.0, 1.0]), [0, 0], want + 3e-7);
         assert!((root.s - want).abs() < 1e-15, "{} against {want}", root.s);
         assert!((root.local[0] - (0.1 + 0.8 * want)).abs() < 1e-15 && root.error < 1e-14);
     }
@@ -272,7 +283,7 @@ mod tests {
         let map = map(3, 2, &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
         let ray = ray([1.0 - 1e-16, 0.25, 2.0], [1e-17, 0.5, -1.25]);
         for cell in [0, 1] {
-            let root = refine(&ray, &map, &window([2.0, 1.0]), [cell, 0], 0.8 + 1e-7);
+            let root = refined(&ray, &map, &window([2.0, 1.0]), [cell, 0], 0.8 + 1e-7);
             assert!((root.s - 0.8).abs() < 1e-14, "{root:?}");
             assert!(root.error < 1e-13);
             assert!(crosses(&ray, &map, 0.8, true));
@@ -285,7 +296,7 @@ mod tests {
         // Along the ridge of a saddle, 1e-9 above its tangent point at s = 0.5.
         let saddle = map(2, 2, &[0.0, 1.0, 1.0, 0.0]);
         let ray = ray([0.0, 0.0, 0.5 + 1e-9], [1.0, 1.0, 0.0]);
-        let root = refine(&ray, &saddle, &window([1.0, 1.0]), [0, 0], 0.5 + 1e-6);
+        let root = refined(&ray, &saddle, &window([1.0, 1.0]), [0, 0], 0.5 + 1e-6);
         assert!((root.s - 0.5).abs() < 1e-9 && (root.error - 1e-9).abs() < 1e-12);
     }
 
@@ -294,14 +305,14 @@ mod tests {
         // A plane met at x = 1.25 by a very flat ray that the walk placed in cell 0.
         let plane = map(3, 2, &[0.0; 6]);
         let ray = ray([0.0, 0.3, 1.25e-6], [1.0, 0.1, -1e-6]);
-        let root = refine(&ray, &plane, &window([2.0, 1.0]), [0, 0], 0.999);
+        let root = refined(&ray, &plane, &window([2.0, 1.0]), [0, 0], 0.999);
         assert_eq!(root.cell, [1, 0]);
         assert!((root.s - 1.25).abs() < 1e-9 && (root.local[0] - 0.25).abs() < 1e-9);
         // A window that ends inside of the neighbour holds it there.
-        let root = refine(&ray, &plane, &window([1.125, 1.0]), [0, 0], 0.999);
+        let root = refined(&ray, &plane, &window([1.125, 1.0]), [0, 0], 0.999);
         assert_eq!((root.cell, root.local[0], root.s), ([1, 0], 0.125, 1.125));
         // Without a neighbour it stays at the border, and says how far off it is.
-        let root = refine(&ray, &plane, &window([1.0, 1.0]), [0, 0], 0.999);
+        let root = refined(&ray, &plane, &window([1.0, 1.0]), [0, 0], 0.999);
         assert_eq!((root.cell, root.local[0]), ([0, 0], 1.0));
         assert!((root.error - 0.25e-6).abs() < 1e-12);
     }

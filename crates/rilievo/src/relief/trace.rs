@@ -1,6 +1,6 @@
 //! The walk over the tiles of a face: what all methods share around their own walk.
 
-use crate::map::{DistanceKind, Lattice, Wrap};
+use crate::map::{DistanceKind, HeightMap, Lattice, Wrap};
 use crate::probe::Probe;
 use crate::ray::{Ray, Wall};
 use crate::simd::Lanes;
@@ -10,12 +10,12 @@ use super::approximate::{ApproximateHit, Segment};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
 use super::leaf::{Crossings, LeafHit};
-use super::map_ray::{MapRay, larger, smaller};
+use super::map_ray::{ExactRay, MapRay, Window, larger, smaller};
 use super::method::Method;
 use super::options::FaceOptions;
 use super::packet::{PacketRays, walk_packet};
 use super::placement::Placement;
-use super::refine::refine;
+use super::refine::{self, Root};
 use super::tile::Tile;
 use super::walk::{TileFrame, walk_pyramid};
 use super::walls::{entry_wall, exit_wall, seam_wall};
@@ -57,14 +57,37 @@ pub(super) enum Met {
     },
 }
 
-/// What of a face lies on a ray's way.
-enum Framed {
-    /// One run of the map, without walls: the ray can go in a packet.
-    Window(TileFrame),
-    /// Several tiles, walls, or another method than the pyramid's.
-    Tiles,
-    /// Nothing.
-    Nothing,
+impl Crossing {
+    /// That of a refined root, unless it lies past the ray's end.
+    #[inline(always)]
+    pub(super) fn of_surface(ray: &ExactRay, t_max: f64, root: &Root, front: bool) -> Option<Self> {
+        let t = ray.t_start + root.s * ray.t_length;
+        // Decided before the crossing is put together: it is large.
+        (t <= t_max).then(|| Self {
+            t,
+            lattice: [
+                f64::from(root.cell[0]) + root.local[0],
+                f64::from(root.cell[1]) + root.local[1],
+            ],
+            raw: root.raw,
+            error: root.error,
+            front,
+            place: Place::Cell { cell: root.cell, local: root.local },
+        })
+    }
+}
+
+/// The crossing near a parameter whose root leads out of its cell.
+#[cold]
+#[inline(never)]
+pub(super) fn refined_across(
+    ray: &ExactRay,
+    t_max: f64,
+    (heights, window): (&HeightMap, &Window),
+    (cell, s0, front): ([i32; 2], f64, bool),
+) -> Option<Crossing> {
+    let root = refine::across(ray, heights, window, cell, s0);
+    Crossing::of_surface(ray, t_max, &root, front)
 }
 
 /// A face as its rays see it.
@@ -91,20 +114,17 @@ impl Trace<'_> {
         (x.lattice(), x.wrap()) == (Lattice::Vertex, Wrap::Repeat)
     }
 
-    /// The first crossing along a ray. `spawned` rays start on this very surself.
+    /// The first crossing along a ray up to its end.
     #[inline(always)]
-    pub fn first_crossing<L: Lanes, P: Probe>(
-        &self,
-        ray: &MapRay,
-        spawned: bool,
-        probe: &mut P,
-    ) -> Option<Crossing> {
+    pub fn first_crossing<L: Lanes, P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
+        let map_ray = self.placement.map_ray(ray, self.options.closed)?;
         if !self.options.method.is_exact() {
-            let hit = first_approximate(self, ray, spawned, probe)?;
-            return Some(approximate_crossing(self, ray, hit));
+            let hit = first_approximate(self, &map_ray, ray.from.is_some(), probe)?;
+            let crossing = approximate_crossing(self, &map_ray, hit);
+            return (crossing.t <= ray.t_max).then_some(crossing);
         }
-        let met = first_met::<L, P>(self, ray, probe)?;
-        Some(self.refined(ray, met))
+        let met = first_met::<L, P>(self, &map_ray, probe)?;
+        self.refined(&map_ray, ray.t_max, met)
     }
 
     /// The first crossing of each of at most [`super::packet::PACKET`] rays within its own end.
@@ -115,53 +135,39 @@ impl Trace<'_> {
         found: &mut [Option<Crossing>],
         probe: &mut P,
     ) {
-        let mut packet: Option<PacketRays> = None;
-        for (lane, (ray, found)) in rays.iter().zip(found.iter_mut()).enumerate() {
-            *found = None;
-            let Some(map_ray) = self.placement.map_ray(ray, self.options.closed) else { continue };
-            let taken = match self.frame(&map_ray) {
-                Framed::Nothing => continue,
-                Framed::Tiles => false,
-                Framed::Window(frame) => match &mut packet {
-                    Some(packet) => packet.take(lane, &map_ray, &frame),
-                    None => {
-                        packet = Some(PacketRays::new(lane, &map_ray, &frame));
-                        true
-                    }
-                },
-            };
-            if !taken {
-                *found = self.first_crossing::<L, P>(&map_ray, ray.from.is_some(), probe);
+        let unfolding = match self.placement.unfolding {
+            Some(unfolding) if self.options.method == Method::Pyramid && !self.options.closed => {
+                unfolding
             }
-        }
-        if let Some(packet) = &packet {
+            _ => return self.first_crossings_alone::<L, P>((rays, u16::MAX), found, probe),
+        };
+        let mut together = PacketRays::new(self.placement);
+        together.fill(unfolding, rays);
+        found.fill(None);
+        self.first_crossings_alone::<L, P>((rays, together.alone), found, probe);
+        if together.live != 0 {
             let maps = (self.relief.heights(), self.relief.pyramid());
-            let hits = walk_packet::<L, P>(maps, packet, self.admitted(), probe);
-            for (lane, (hit, found)) in hits.into_iter().zip(found.iter_mut()).enumerate() {
-                if let Some(hit) = hit {
-                    *found = Some(self.refined(packet.ray(lane).0, Met::Surface(hit)));
-                }
-            }
-        }
-        for (ray, found) in rays.iter().zip(found) {
-            if found.as_ref().is_some_and(|crossing| crossing.t > ray.t_max) {
-                *found = None;
-            }
+            let hits = walk_packet::<L, P>(maps, &together, self.admitted(), probe);
+            let rising = self.options.displacement.scale > 0.0;
+            together.answer(&hits, (self.relief.heights(), rising), rays, found);
         }
     }
 
-    /// How a ray may be walked in a packet.
+    /// The first crossing of each ray whose bit is set.
     #[inline(always)]
-    fn frame(&self, ray: &MapRay) -> Framed {
-        let Some(unfolding) = self.placement.unfolding else { return Framed::Tiles };
-        if self.options.method != Method::Pyramid || self.options.closed {
-            return Framed::Tiles;
+    fn first_crossings_alone<L: Lanes, P: Probe>(
+        &self,
+        (rays, set): (&[Ray], u16),
+        found: &mut [Option<Crossing>],
+        probe: &mut P,
+    ) {
+        if set == 0 {
+            return;
         }
-        let Some((enter, leave)) = ray.window_span() else { return Framed::Nothing };
-        if larger(enter, ray.cull[0]) < smaller(leave, ray.cull[1]) {
-            Framed::Window(TileFrame::of_window(ray, unfolding, (enter, leave)))
-        } else {
-            Framed::Nothing
+        for (k, (ray, found)) in rays.iter().zip(found).enumerate() {
+            if set >> k & 1 == 1 {
+                *found = self.first_crossing::<L, P>(ray, probe);
+            }
         }
     }
 
@@ -177,26 +183,31 @@ impl Trace<'_> {
         let (Met::Surface(LeafHit { s, .. }) | Met::Wall { s, .. }) = met;
         // Refinement moves a crossing into a neighbour of the neighbouring cell at most.
         let cells = 3.0 * smaller(ray.inv[0], ray.inv[1]);
-        s + cells <= ray.end || self.refined(ray, met).t <= t_max
+        s + cells <= ray.end || self.refined(ray, t_max, met).is_some()
     }
 
-    /// The crossing of what was met, in `f64`.
+    /// The crossing of what was met, in `f64`, unless it lies past the ray's end.
     #[inline(always)]
-    fn refined(&self, ray: &MapRay, met: Met) -> Crossing {
+    fn refined(&self, ray: &MapRay, t_max: f64, met: Met) -> Option<Crossing> {
         let rising = self.options.displacement.scale > 0.0;
         let heights = self.relief.heights();
         let exact = &ray.exact;
+        let t = |s: f64| exact.t_start + s * exact.t_length;
         match met {
             Met::Surface(LeafHit { s, cell, from_above }) => {
                 let cell = [ray.unfolded(0, cell[0]), ray.unfolded(1, cell[1])];
-                let root = refine(exact, heights, &self.placement.window, cell, f64::from(s));
-                Crossing {
-                    t: exact.t_start + root.s * exact.t_length,
-                    lattice: [0, 1].map(|k| f64::from(root.cell[k]) + root.local[k]),
-                    raw: root.raw,
-                    error: root.error,
-                    front: from_above == rising,
-                    place: Place::Cell { cell: root.cell, local: root.local },
+                let (s0, front) = (f64::from(s), from_above == rising);
+                let h = self.placement.corners(heights, cell);
+                let (root, inside) = refine::inside(exact, &self.placement.window, (cell, h), s0);
+                if inside {
+                    Crossing::of_surface(exact, t_max, &root, front)
+                } else {
+                    refined_across(
+                        exact,
+                        t_max,
+                        (heights, &self.placement.window),
+                        (cell, s0, front),
+                    )
                 }
             }
             Met::Wall { wall, s, from_above } => {
@@ -207,14 +218,15 @@ impl Trace<'_> {
                 let at = |k: usize| exact.origin[k] + s * exact.direction[k];
                 let mut lattice = [at(0), at(1)];
                 lattice[axis] = line;
-                Crossing {
-                    t: exact.t_start + s * exact.t_length,
+                let t = t(s);
+                (t <= t_max).then(|| Crossing {
+                    t,
                     lattice,
                     raw: at(2),
                     error: 0.0,
                     front: from_above == rising,
                     place: Place::Wall(wall),
-                }
+                })
             }
         }
     }
@@ -224,7 +236,10 @@ impl Trace<'_> {
 #[inline(always)]
 fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) -> Option<Met> {
     let heights = face.relief.heights();
-    let (enter, leave) = ray.window_span()?;
+    let (enter, leave) = ray.window_span();
+    if enter >= leave {
+        return None;
+    }
     if face.options.closed
         && enter > 0.0
         && let Some(wall) = entry_wall(face, ray, enter)

@@ -1,14 +1,16 @@
 //! Sixteen lanes in two AVX2 registers.
 
 use std::arch::x86_64::{
-    __m128i, __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadu_ps, _mm_loadu_si128,
-    _mm_shuffle_epi8, _mm_srli_si128, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_ps,
-    _mm256_castps128_ps256, _mm256_castsi128_si256, _mm256_castsi256_ps, _mm256_castsi256_si128,
-    _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi32, _mm256_cvtepu16_epi32,
+    __m128i, __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtss_f32, _mm_loadu_ps, _mm_loadu_si128,
+    _mm_max_ps, _mm_max_ss, _mm_min_ps, _mm_min_ss, _mm_movehl_ps, _mm_shuffle_epi8,
+    _mm_shuffle_ps, _mm_srli_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
+    _mm256_blendv_ps, _mm256_castps128_ps256, _mm256_castps256_ps128, _mm256_castsi128_si256,
+    _mm256_castsi256_ps, _mm256_castsi256_si128, _mm256_cmp_ps, _mm256_cvtepi32_ps,
+    _mm256_cvtepu8_epi32, _mm256_cvtepu16_epi32, _mm256_div_ps, _mm256_extractf128_ps,
     _mm256_extracti128_si256, _mm256_insertf128_ps, _mm256_inserti128_si256, _mm256_loadu_ps,
     _mm256_loadu_si256, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
     _mm256_or_ps, _mm256_permute_ps, _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_ps,
-    _mm256_shuffle_epi8, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm256_shuffle_epi8, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
 use super::orders::{BYTES, WIDEN};
@@ -85,6 +87,17 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(halves!(_mm256_div_ps, self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { [_mm256_sqrt_ps(self.0[0]), _mm256_sqrt_ps(self.0[1])] })
+    }
+
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Self(halves!(_mm256_max_ps, self.0, other.0))
     }
@@ -151,6 +164,33 @@ impl Lanes for Avx2 {
         // SAFETY: see above.
         let (low, high) = unsafe { (_mm256_movemask_ps(mask[0]), _mm256_movemask_ps(mask[1])) };
         (low | high << 8) as u16
+    }
+
+    #[inline(always)]
+    fn least(self) -> f32 {
+        // SAFETY: see above.
+        unsafe { least(_mm256_min_ps(self.0[0], self.0[1])) }
+    }
+
+    #[inline(always)]
+    fn greatest(self) -> f32 {
+        // SAFETY: see above.
+        unsafe { greatest(_mm256_max_ps(self.0[0], self.0[1])) }
+    }
+
+    #[inline(always)]
+    fn wholes(base: i32, steps: &[i32; WIDTH]) -> Self {
+        let (low, high) = steps.split_at(8);
+        // SAFETY: see above; both halves are eight long.
+        unsafe {
+            let base = _mm256_set1_epi32(base);
+            let low = _mm256_loadu_si256(low.as_ptr().cast::<__m256i>());
+            let high = _mm256_loadu_si256(high.as_ptr().cast::<__m256i>());
+            Self([
+                _mm256_cvtepi32_ps(_mm256_add_epi32(base, low)),
+                _mm256_cvtepi32_ps(_mm256_add_epi32(base, high)),
+            ])
+        }
     }
 
     #[inline(always)]
@@ -275,5 +315,33 @@ unsafe fn turned(v: [__m256; 2]) -> Avx2 {
     // SAFETY: the caller's word.
     unsafe {
         Avx2([_mm256_permute_ps::<0b00_01_10_11>(v[0]), _mm256_permute_ps::<0b00_01_10_11>(v[1])])
+    }
+}
+
+/// The least of eight lanes.
+///
+/// # Safety
+/// Only where AVX2 is.
+#[inline(always)]
+pub(super) unsafe fn least(of: __m256) -> f32 {
+    // SAFETY: the caller's word.
+    unsafe {
+        let four = _mm_min_ps(_mm256_castps256_ps128(of), _mm256_extractf128_ps::<1>(of));
+        let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+        _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps::<1>(two, two)))
+    }
+}
+
+/// The greatest of eight lanes.
+///
+/// # Safety
+/// Only where AVX2 is.
+#[inline(always)]
+pub(super) unsafe fn greatest(of: __m256) -> f32 {
+    // SAFETY: the caller's word.
+    unsafe {
+        let four = _mm_max_ps(_mm256_castps256_ps128(of), _mm256_extractf128_ps::<1>(of));
+        let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+        _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
     }
 }

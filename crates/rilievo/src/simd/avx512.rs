@@ -1,16 +1,18 @@
 //! Sixteen lanes in one AVX-512 register.
 
 use std::arch::x86_64::{
-    __m128i, __m256i, __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadu_ps,
-    _mm_loadu_si128, _mm_shuffle_epi8, _mm256_loadu_si256, _mm256_permutexvar_epi16, _mm512_add_ps,
-    _mm512_castps_si512, _mm512_castps128_ps512, _mm512_castsi128_si512, _mm512_castsi512_ps,
+    __m128i, __m256, __m256i, __m512, __m512i, __mmask16, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadu_ps,
+    _mm_loadu_si128, _mm_shuffle_epi8, _mm256_loadu_si256, _mm256_max_ps, _mm256_min_ps,
+    _mm256_permutexvar_epi16, _mm512_add_epi32, _mm512_add_ps, _mm512_castps_si512,
+    _mm512_castps128_ps512, _mm512_castps512_ps256, _mm512_castsi128_si512, _mm512_castsi512_ps,
     _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtepu8_epi32, _mm512_cvtepu16_epi32,
-    _mm512_insertf32x4, _mm512_inserti32x4, _mm512_loadu_ps, _mm512_loadu_si512,
-    _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
-    _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_epi8, _mm512_storeu_ps, _mm512_sub_ps,
-    _mm512_ternarylogic_epi32,
+    _mm512_div_ps, _mm512_extractf32x8_ps, _mm512_insertf32x4, _mm512_inserti32x4, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
+    _mm512_permute_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_epi8, _mm512_sqrt_ps,
+    _mm512_storeu_ps, _mm512_sub_ps, _mm512_ternarylogic_epi32,
 };
 
+use super::avx2::{greatest, least};
 use super::orders::{BYTES, WIDEN, WORDS};
 use super::{Kernel, Lanes, Mirror, WIDTH};
 
@@ -66,6 +68,18 @@ impl Lanes for Avx512 {
     fn times(self, other: Self) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm512_mul_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_div_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
     }
 
     #[inline(always)]
@@ -127,6 +141,33 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn bits(mask: __mmask16) -> u16 {
         mask
+    }
+
+    #[inline(always)]
+    fn least(self) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let (low, high) = halves(self.0);
+            least(_mm256_min_ps(low, high))
+        }
+    }
+
+    #[inline(always)]
+    fn greatest(self) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let (low, high) = halves(self.0);
+            greatest(_mm256_max_ps(low, high))
+        }
+    }
+
+    #[inline(always)]
+    fn wholes(base: i32, steps: &[i32; WIDTH]) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            let steps = _mm512_loadu_si512(steps.as_ptr().cast::<__m512i>());
+            Self(_mm512_cvtepi32_ps(_mm512_add_epi32(_mm512_set1_epi32(base), steps)))
+        }
     }
 
     #[inline(always)]
@@ -192,6 +233,16 @@ impl Lanes for Avx512 {
             }
         }
     }
+}
+
+/// Lanes 0 to 7 and 8 to 15.
+///
+/// # Safety
+/// Only inside of [`enter`].
+#[inline(always)]
+unsafe fn halves(all: __m512) -> (__m256, __m256) {
+    // SAFETY: the caller's word.
+    unsafe { (_mm512_castps512_ps256(all), _mm512_extractf32x8_ps::<1>(all)) }
 }
 
 /// Four rows of eight words, side by side.

@@ -36,6 +36,12 @@ pub(crate) struct Mirror {
 }
 
 impl Mirror {
+    /// That of stored cells which are combined with these numbers, 0 or -1, by exclusive or.
+    #[inline(always)]
+    pub fn of([x, y]: [i32; 2]) -> Self {
+        Self { x: x != 0, y: y != 0 }
+    }
+
     /// The lane that holds what lane `lane` shows after mirroring.
     #[inline(always)]
     pub const fn source(self, lane: usize) -> usize {
@@ -75,6 +81,10 @@ pub(crate) trait Lanes: Copy {
     fn minus(self, other: Self) -> Self;
     /// Products.
     fn times(self, other: Self) -> Self;
+    /// Quotients.
+    fn over(self, other: Self) -> Self;
+    /// Square roots.
+    fn root(self) -> Self;
     /// `if self > other { self } else { other }`, also for zeros of different sign.
     fn larger(self, other: Self) -> Self;
     /// `if self < other { self } else { other }`.
@@ -96,6 +106,14 @@ pub(crate) trait Lanes: Copy {
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Bit `k` from lane `k`.
     fn bits(mask: Self::Mask) -> u16;
+
+    /// The least of all lanes.
+    fn least(self) -> f32;
+    /// The greatest of all lanes.
+    fn greatest(self) -> f32;
+
+    /// `base + steps`, whole numbers, rounded once.
+    fn wholes(base: i32, steps: &[i32; WIDTH]) -> Self;
 
     /// The numbers of a 4 x 4 square of codes, mirrored.
     fn from_u16(codes: &[u16; WIDTH], mirror: Mirror) -> Self;

@@ -80,6 +80,16 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self(zip(&self.0, &other.0, |a, b| a / b))
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self(zip(&self.0, &self.0, |a, _| a.sqrt()))
+    }
+
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Self(zip(&self.0, &other.0, |a, b| if a > b { a } else { b }))
     }
@@ -137,6 +147,27 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn least(self) -> f32 {
+        reduced(self, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn greatest(self) -> f32 {
+        reduced(self, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn wholes(base: i32, steps: &[i32; WIDTH]) -> Self {
+        let mut out = [[0.0; 4]; 4];
+        for y in 0..4 {
+            for x in 0..4 {
+                out[y][x] = (base + steps[4 * y + x]) as f32;
+            }
+        }
+        Self(out)
+    }
+
+    #[inline(always)]
     fn from_u16(codes: &[u16; WIDTH], mirror: Mirror) -> Self {
         mirrored(codes, mirror)
     }
@@ -155,6 +186,18 @@ impl Lanes for Portable {
     fn corners_f32(rows: [&[f32; 8]; 5], backward: bool) -> [Self; 4] {
         corners(rows, backward)
     }
+}
+
+/// One number of all, halves joined with halves.
+#[inline(always)]
+fn reduced(of: Portable, join: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut rest = of.store();
+    for half in [8, 4, 2, 1] {
+        for k in 0..half {
+            rest[k] = join(rest[k], rest[k + half]);
+        }
+    }
+    rest[0]
 }
 
 /// The numbers of a square of codes, mirrored.

@@ -31,6 +31,14 @@ impl Kernel for Checks {
         assert_eq!(bits(a.plus(b).store()), each(|a, b| a + b));
         assert_eq!(bits(a.minus(b).store()), each(|a, b| a - b));
         assert_eq!(bits(a.times(b).store()), each(|a, b| a * b));
+        let (third, square) = (L::splat(3.0), a.times(a));
+        assert_eq!(bits(a.over(third).store()), each(|a, _| a / 3.0));
+        assert_eq!(bits(square.root().store()), each(|a, _| (a * a).sqrt()));
+        assert_eq!((a.least(), a.greatest()), (-1e30, 1e30));
+        assert_eq!((b.least(), L::splat(-2.0).greatest()), (-16.0, -2.0));
+        let steps: [i32; WIDTH] = std::array::from_fn(|k| 1_048_577 * k as i32);
+        let want = std::array::from_fn(|k| (steps[k] - 8_388_607) as f32);
+        assert_eq!(L::wholes(-8_388_607, &steps).store(), want);
         assert_eq!(bits(a.larger(b).store()), each(|a, b| if a > b { a } else { b }));
         assert_eq!(bits(a.smaller(b).store()), each(|a, b| if a < b { a } else { b }));
         let turned = each(|a, b| if b.is_sign_negative() { -a } else { a });

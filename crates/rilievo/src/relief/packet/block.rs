@@ -1,13 +1,14 @@
 //! [`PacketBlocks`]: the rays of a packet against the cells of a block.
 
 use crate::map::{HeightMap, Pyramid};
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf::{self, Crossings, LeafHit};
-use super::super::walk::{Blocks, LaneRay, block_corners};
-use super::PACKET;
+use super::super::tile;
+use super::super::walk::{Gaps, LaneRay, PLACES, StoredGaps, block_corners, cell_at, first_lane};
 use super::fat::FatRay;
 use super::rays::{PacketRays, pair};
+use super::{PacketHits, lanes};
 
 /// Cells a ray that are worth showing to all rays at once; measured flat between 8 and 12 of 16.
 const FEW_CELLS: u32 = 12;
@@ -16,23 +17,23 @@ const FEW_CELLS: u32 = 12;
 pub(super) struct PacketBlocks<'a> {
     map: &'a HeightMap,
     pyramid: &'a Pyramid,
-    rays: &'a PacketRays,
+    rays: &'a PacketRays<'a>,
     fat: &'a FatRay<'a>,
     admit: Crossings,
     /// Rays without a crossing yet.
     pub live: u16,
-    pub found: [Option<LeafHit>; PACKET],
+    pub hits: PacketHits,
 }
 
 impl<'a> PacketBlocks<'a> {
     #[inline(always)]
     pub fn new(
         (map, pyramid): (&'a HeightMap, &'a Pyramid),
-        rays: &'a PacketRays,
+        rays: &'a PacketRays<'a>,
         fat: &'a FatRay<'a>,
         admit: Crossings,
     ) -> Self {
-        Self { map, pyramid, rays, fat, admit, live: rays.live(), found: [None; PACKET] }
+        Self { map, pyramid, rays, fat, admit, live: rays.live, hits: PacketHits::default() }
     }
 
     /// Shows the block with its corner at a mirrored cell to the live rays.
@@ -61,12 +62,11 @@ impl<'a> PacketBlocks<'a> {
         let [enter, leave] = pair::<L>(&lanes.part);
         let near = t(0, x).larger(enter).larger(t(1, y));
         let far = t(0, x.plus(side)).smaller(leave).smaller(t(1, y.plus(side)));
-        let frame = self.rays.frame();
+        let turn = self.rays.turn();
         // Any cell of the block names it.
-        let block =
-            [(corner[0] ^ frame.turn[0]) as u32 / 4, (corner[1] ^ frame.turn[1]) as u32 / 4];
+        let block = [(corner[0] ^ turn[0]) as u32 / 4, (corner[1] ^ turn[1]) as u32 / 4];
         let (_, max) = self.pyramid.bounds(0, block[0], block[1]);
-        let slack = 2.0 * leaf::slack(self.rays.ray(0).0.size);
+        let slack = 2.0 * leaf::slack(self.rays.size);
         let (za, zb) = (near.times(ray.dz).plus(ray.oz), far.times(ray.dz).plus(ray.oz));
         let lowest = za.smaller(zb).minus(L::splat(slack));
         L::bits(L::and(near.below(far), lowest.at_most(L::splat(max))))
@@ -75,18 +75,18 @@ impl<'a> PacketBlocks<'a> {
     /// A mirrored cell as each ray counts it forward.
     #[inline(always)]
     fn forward<L: Lanes>(&self, cell: [i32; 2]) -> [L; 2] {
-        let frame = self.rays.frame();
+        let origin = self.rays.origin();
         let shift = pair::<L>(&self.rays.lanes.shift);
         [
-            L::splat((cell[0] - frame.origin[0]) as f32).plus(shift[0]),
-            L::splat((cell[1] - frame.origin[1]) as f32).plus(shift[1]),
+            L::splat((cell[0] - origin[0]) as f32).plus(shift[0]),
+            L::splat((cell[1] - origin[1]) as f32).plus(shift[1]),
         ]
     }
 
     /// Cell after cell, all rays at once.
     #[inline(always)]
     fn show_cells<L: Lanes>(&mut self, corner: [i32; 2], mut cells: u16, mut rays: u16) {
-        let corners: [L; 4] = block_corners(self.map, self.rays.frame(), corner);
+        let corners: [L; 4] = block_corners(self.map, Mirror::of(self.rays.turn()), corner);
         let [h00, h10, h01, h11] = corners;
         let (h00, h10, h01, h11) = (h00.store(), h10.store(), h01.store(), h11.store());
         let lanes: LaneRay<L> = self.rays.lanes.load();
@@ -102,37 +102,96 @@ impl<'a> PacketBlocks<'a> {
                 L::splat(heights[3]),
             ];
             let gaps = lanes.gaps(self.forward(cell), heights);
-            let mut candidates = gaps.candidates & rays;
-            if candidates == 0 {
-                continue;
-            }
-            let stored = gaps.store();
-            while candidates != 0 {
-                let lane = candidates.trailing_zeros() as usize % WIDTH;
-                candidates &= candidates - 1;
-                let (ray, frame) = self.rays.ray(lane);
-                let forward = [cell[0] - frame.origin[0], cell[1] - frame.origin[1]];
-                let hit = stored.hit(lane, (self.map, ray), forward, self.admit);
-                if hit.is_some() {
-                    self.found[lane] = hit;
-                    rays &= !(1 << lane);
-                    self.live &= !(1 << lane);
-                }
+            let candidates = gaps.candidates & rays;
+            if candidates != 0 {
+                rays &= !self.take(&gaps, candidates, cell);
             }
         }
     }
 
+    /// Rays, of those that are candidates, that cross a mirrored cell.
+    #[inline(always)]
+    fn take<L: Lanes>(&mut self, gaps: &Gaps<L>, candidates: u16, cell: [i32; 2]) -> u16 {
+        let before = self.live;
+        let origin = &self.rays.lanes.origin;
+        let forward = |ray: usize| [cell[0] - origin[0][ray], cell[1] - origin[1][ray]];
+        let mut sure = 0;
+        if self.admit == Crossings::Both {
+            let roots = gaps.roots();
+            let s = roots.s.store();
+            sure = candidates & roots.sure;
+            self.hits.from_above |= roots.from_above & sure;
+            self.hits.any |= sure;
+            self.live &= !sure;
+            for ray in lanes(sure) {
+                self.hits.s[ray] = s[ray];
+                self.hits.cell[ray] = forward(ray);
+            }
+        }
+        let doubtful = candidates & !sure;
+        if doubtful != 0 {
+            let stored = gaps.store();
+            for ray in lanes(doubtful) {
+                self.put_confirmed(&stored, ray, (ray, forward(ray)));
+            }
+        }
+        before & !self.live
+    }
+
+    /// Whether a ray crosses a forward cell, whose gap stands in a lane, as the unrounded ray
+    /// confirms; the hit is kept.
+    #[inline(never)]
+    fn put_confirmed(
+        &mut self,
+        gaps: &StoredGaps,
+        lane: usize,
+        (ray, cell): (usize, [i32; 2]),
+    ) -> bool {
+        let Some((t0, hit)) = gaps.hit(lane, cell, self.admit) else { return false };
+        let confirmed = tile::confirms(self.map, &self.rays.ray(ray), (t0, &hit), self.admit);
+        if confirmed {
+            self.hits.put(ray, &hit);
+            self.live &= !(1 << ray);
+        }
+        confirmed
+    }
+
     /// Ray after ray, all cells at once.
     #[inline(always)]
-    fn show_rays<L: Lanes>(&mut self, corner: [i32; 2], mut rays: u16) {
-        while rays != 0 {
-            let lane = rays.trailing_zeros() as usize % WIDTH;
-            rays &= rays - 1;
-            let (ray, frame) = self.rays.ray(lane);
-            let hit = Blocks::new(self.map, ray, frame).first_hit::<L>(corner, self.admit);
-            if hit.is_some() {
-                self.found[lane] = hit;
-                self.live &= !(1 << lane);
+    fn show_rays<L: Lanes>(&mut self, corner: [i32; 2], rays: u16) {
+        let corners: [L; 4] = block_corners(self.map, Mirror::of(self.rays.turn()), corner);
+        let places = [L::load(&PLACES[0]), L::load(&PLACES[1])];
+        for ray in lanes(rays) {
+            let lanes = &self.rays.lanes;
+            let first = [corner[0] - lanes.origin[0][ray], corner[1] - lanes.origin[1][ray]];
+            let cells = [
+                L::splat(first[0] as f32).plus(places[0]),
+                L::splat(first[1] as f32).plus(places[1]),
+            ];
+            let gaps = lanes.alone::<L>(ray).gaps(cells, corners);
+            if gaps.candidates != 0 {
+                self.take_first(&gaps, ray, first);
+            }
+        }
+    }
+
+    /// The first crossing of a ray among the candidates of a block at a forward cell.
+    #[inline(always)]
+    fn take_first<L: Lanes>(&mut self, gaps: &Gaps<L>, ray: usize, first: [i32; 2]) {
+        if self.admit == Crossings::Both {
+            let (roots, lane) = (gaps.roots(), first_lane(gaps.candidates));
+            if roots.sure >> lane & 1 == 1 {
+                let from_above = roots.from_above >> lane & 1 == 1;
+                let (s, cell) = (roots.s.store()[lane], cell_at(first, lane));
+                self.hits.put(ray, &LeafHit { s, cell, from_above });
+                self.live &= !(1 << ray);
+                return;
+            }
+        }
+        let stored = gaps.store();
+        for lane in lanes(gaps.candidates) {
+            if self.put_confirmed(&stored, lane, (ray, cell_at(first, lane))) {
+                return;
             }
         }
     }

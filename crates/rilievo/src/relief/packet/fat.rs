@@ -8,16 +8,17 @@
 //! is moved outward by one step of the float.
 
 use crate::map::Pyramid;
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::{Lanes, Mirror, WIDTH};
 
-use super::super::map_ray::{larger, smaller};
-use super::super::walk::{LINES, PLACES, Side, TileFrame, bound, culled_heights};
+use super::super::walk::{LINES, PLACES, Side, bound, culled_heights};
 use super::rays::PacketRays;
 
 /// The bounds of a packet.
 pub(super) struct FatRay<'a> {
     pyramid: &'a Pyramid,
-    frame: TileFrame,
+    /// See [`PacketRays::origin`], [`PacketRays::turn`].
+    origin: [i32; 2],
+    turn: [i32; 2],
     /// Lowest and highest.
     o: [[f32; 2]; 2],
     inv: [[f32; 2]; 2],
@@ -40,33 +41,33 @@ struct Between<L: Lanes> {
 
 impl<'a> FatRay<'a> {
     #[inline(always)]
-    pub fn new(rays: &PacketRays, pyramid: &'a Pyramid) -> Self {
+    pub fn new<L: Lanes>(rays: &PacketRays<'_>, pyramid: &'a Pyramid) -> Self {
         let lanes = &rays.lanes;
-        let frame = *rays.frame();
-        let axis = |k: usize| {
-            let mut start = [0.0; WIDTH];
-            for ((start, o), shift) in start.iter_mut().zip(&lanes.o[k]).zip(&lanes.shift[k]) {
-                *start = o - shift;
-            }
-            [lowest(&start).next_down(), highest(&start).next_up()]
+        let (origin, turn) = (rays.origin(), rays.turn());
+        let range = |of: &[f32; WIDTH]| {
+            let of = L::load(of);
+            [of.least(), of.greatest()]
         };
-        let range = |of: &[f32; WIDTH]| [lowest(of), highest(of)];
+        let axis = |k: usize| {
+            let start = L::load(&lanes.o[k]).minus(L::load(&lanes.shift[k]));
+            [start.least().next_down(), start.greatest().next_up()]
+        };
         let map = |k: usize| {
             let cells = pyramid.cells()[k] as i32;
-            let first = (frame.turn[k] & -cells) - frame.origin[k];
+            let first = (turn[k] & -cells) - origin[k];
             [first as f32, (first + cells) as f32]
         };
-        let (ray, _) = rays.ray(0);
         Self {
             pyramid,
             o: [axis(0), axis(1)],
             inv: [range(&lanes.inv[0]), range(&lanes.inv[1])],
             dz: range(&lanes.dz),
-            oz: culled_heights(range(&lanes.oz), ray.size),
-            part: [lowest(&lanes.part[0]), highest(&lanes.part[1])],
+            oz: culled_heights(range(&lanes.oz), rays.size),
+            part: [L::load(&lanes.part[0]).least(), L::load(&lanes.part[1]).greatest()],
             map: [map(0), map(1)],
             both: rays.any_may_be_below(),
-            frame,
+            origin,
+            turn,
         }
     }
 
@@ -76,9 +77,7 @@ impl<'a> FatRay<'a> {
         let shift = 2 * level + 4;
         let (x, y) = (x >> shift, y >> shift);
         let lines = &LINES[level as usize % LINES.len()];
-        let line = |k: usize, g: i32, of: &[f32; WIDTH]| {
-            L::splat((g - self.frame.origin[k]) as f32).plus(L::load(of))
-        };
+        let line = |k: usize, g: i32, of: &[i32; WIDTH]| L::wholes(g - self.origin[k], of);
         let (x_near, x_far) =
             (line(0, x << shift, &lines.near[0]), line(0, x << shift, &lines.far[0]));
         let (y_near, y_far) =
@@ -91,9 +90,9 @@ impl<'a> FatRay<'a> {
         let on_map = L::and(self.on_map(0, x_near, x_far), self.on_map(1, y_near, y_far));
 
         let [nodes_x, _] = self.pyramid.nodes(level);
-        let [turn_x, turn_y] = self.frame.turn;
+        let [turn_x, turn_y] = self.turn;
         let index = (y ^ turn_y) as usize * nodes_x as usize + (x ^ turn_x) as usize;
-        let (node, mirror) = ((level, index), self.frame.mirror());
+        let (node, mirror) = ((level, index), Mirror::of(self.turn));
         let [dz_low, dz_high] = self.dz;
         let lowest = if dz_low < 0.0 { far } else { near };
         let lowest = lowest.times(L::splat(dz_low)).plus(L::splat(self.oz[0]));
@@ -112,8 +111,8 @@ impl<'a> FatRay<'a> {
     #[inline(always)]
     pub fn cells<L: Lanes>(&self, [x, y]: [i32; 2]) -> u16 {
         let one = L::splat(1.0);
-        let x = L::splat((x - self.frame.origin[0]) as f32).plus(L::load(&PLACES[0]));
-        let y = L::splat((y - self.frame.origin[1]) as f32).plus(L::load(&PLACES[1]));
+        let x = L::splat((x - self.origin[0]) as f32).plus(L::load(&PLACES[0]));
+        let y = L::splat((y - self.origin[1]) as f32).plus(L::load(&PLACES[1]));
         let (tx, ty) = (self.between(0, x, x.plus(one)), self.between(1, y, y.plus(one)));
         let [enter, leave] = self.part;
         let near = tx.near.larger(L::splat(enter)).larger(ty.near);
@@ -139,28 +138,4 @@ impl<'a> FatRay<'a> {
         let [first, last] = self.map[axis];
         L::and(L::splat(first).below(far), near.below(L::splat(last)))
     }
-}
-
-/// The least of sixteen numbers.
-#[inline(always)]
-fn lowest(of: &[f32; WIDTH]) -> f32 {
-    let mut least = *of;
-    for half in [8, 4, 2, 1] {
-        for k in 0..half {
-            least[k] = smaller(least[k], least[k + half]);
-        }
-    }
-    least[0]
-}
-
-/// The greatest of sixteen numbers.
-#[inline(always)]
-fn highest(of: &[f32; WIDTH]) -> f32 {
-    let mut greatest = *of;
-    for half in [8, 4, 2, 1] {
-        for k in 0..half {
-            greatest[k] = larger(greatest[k], greatest[k + half]);
-        }
-    }
-    greatest[0]
 }

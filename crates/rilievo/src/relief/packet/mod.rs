@@ -17,6 +17,7 @@
 //! **When it pays.** Rays of one pixel. Rays that fan out (shadows of an area light, bounces) make
 //! the fat ray too fat: trace them alone.
 
+mod answer;
 mod block;
 mod fat;
 mod rays;
@@ -35,18 +36,39 @@ pub(crate) use rays::PacketRays;
 /// Most rays of a packet.
 pub(crate) const PACKET: usize = WIDTH;
 
+/// What the rays of a packet met: one element a ray.
+#[derive(Default)]
+pub(crate) struct PacketHits {
+    s: [f32; PACKET],
+    /// Forward cells, each in its own ray's frame.
+    cell: [[i32; 2]; PACKET],
+    /// Rays that met the surface, and those of them that came from above.
+    any: u16,
+    from_above: u16,
+}
+
+impl PacketHits {
+    #[inline(always)]
+    fn put(&mut self, lane: usize, hit: &LeafHit) {
+        self.s[lane] = hit.s;
+        self.cell[lane] = hit.cell;
+        self.any |= 1 << lane;
+        self.from_above |= u16::from(hit.from_above) << lane;
+    }
+}
+
 /// The first admitted crossing of each ray, found through the pyramid.
 #[inline(always)]
 pub(crate) fn walk_packet<L: Lanes, P: Probe>(
     (map, pyramid): (&HeightMap, &Pyramid),
-    rays: &PacketRays,
+    rays: &PacketRays<'_>,
     admit: Crossings,
     probe: &mut P,
-) -> [Option<LeafHit>; PACKET] {
-    let fat = FatRay::new(rays, pyramid);
+) -> PacketHits {
+    let fat = FatRay::new::<L>(rays, pyramid);
     let mut blocks = PacketBlocks::new((map, pyramid), rays, &fat, admit);
     let top = pyramid.levels() - 1;
-    let mut at = rays.frame().turn;
+    let mut at = rays.turn();
     let mut stack = Stack::default();
     probe.node();
     stack.push(top, fat.met::<L>(top, at));
@@ -63,5 +85,17 @@ pub(crate) fn walk_packet<L: Lanes, P: Probe>(
             }
         }
     }
-    blocks.found
+    blocks.hits
+}
+
+/// The lanes whose bits are set.
+#[inline(always)]
+fn lanes(mut bits: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            lane % PACKET
+        })
+    })
 }

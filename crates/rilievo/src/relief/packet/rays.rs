@@ -1,20 +1,48 @@
 //! [`PacketRays`]: the rays of a packet, side by side.
+//!
+//! One array a number, one element a ray. The rays are clipped and rounded by the functions of the
+//! ray alone, in loops over the arrays without a branch, which compilers turn into vectors: the bits
+//! stay those of the ray alone.
 
+use glam::DVec3;
+
+use crate::ray::{Part, Ray};
 use crate::simd::{Lanes, WIDTH};
 
 use super::super::map_ray::{MapRay, larger, smaller};
-use super::super::walk::{LaneRay, TileFrame};
+use super::super::placement::Placement;
+use super::super::shell::{ClippedRay, LatticeRay};
+use super::super::walk::{LaneRay, TileFrame, Unfolding};
+use super::PACKET;
 
 /// Rays that run through one window in the same mirrored directions. Lanes without a ray repeat the
-/// first, and are not live.
-pub(crate) struct PacketRays {
-    rays: [MapRay; WIDTH],
-    frames: [TileFrame; WIDTH],
+/// first one that has one.
+pub(crate) struct PacketRays<'a> {
+    pub(super) placement: &'a Placement,
+    pub(super) clipped: ClippedRays,
     pub(super) lanes: RayLanes,
-    live: u16,
+    /// The first ray that is live.
+    first: usize,
+    /// Largest magnitude of a raw height of the map.
+    pub(super) size: f32,
+    /// Lanes that hold a ray.
+    pub(crate) live: u16,
+    /// Rays that must be traced alone: they go another way than the first, or leave a wall.
+    pub(crate) alone: u16,
 }
 
-/// Numbers of the rays, one array a number.
+/// Rays in `f64`.
+pub(super) struct ClippedRays {
+    pub start: [[f64; PACKET]; 3],
+    pub direction: [[f64; PACKET]; 3],
+    pub t_start: [f64; PACKET],
+    pub t_length: [f64; PACKET],
+    cull: [[f64; PACKET]; 2],
+    end: [f64; PACKET],
+    lift: [f64; PACKET],
+}
+
+/// Rays as the walk sees them.
 pub(super) struct RayLanes {
     pub o: [[f32; WIDTH]; 2],
     pub d: [[f32; WIDTH]; 2],
@@ -28,85 +56,247 @@ pub(super) struct RayLanes {
     pub part: [[f32; WIDTH]; 2],
     /// Added to forward cells of the first ray's frame to give those of each ray's own; integers.
     pub shift: [[f32; WIDTH]; 2],
+    /// Mirrored cell of each ray's forward cell 0.
+    pub origin: [[i32; WIDTH]; 2],
+    turn: [[i32; WIDTH]; 2],
+    /// Unfolded cell of forward cell 0, and -1 where cells are counted backward, else 0.
+    base: [[i32; WIDTH]; 2],
+    backward: [[i32; WIDTH]; 2],
+    /// 1 where the ray may start below the surface.
+    below: [u32; WIDTH],
 }
 
-impl PacketRays {
-    /// A packet of which `ray` is lane `lane`.
+/// Numbers of all rays, none yet.
+const NONE: [f64; PACKET] = [0.0; PACKET];
+
+impl<'a> PacketRays<'a> {
+    /// No rays yet. Filled in place: the arrays are large to move.
     #[inline(always)]
-    pub fn new(lane: usize, ray: &MapRay, frame: &TileFrame) -> Self {
-        let pair = |[a, b]: [f32; 2]| [[a; WIDTH], [b; WIDTH]];
+    pub fn new(placement: &'a Placement) -> Self {
+        let clipped = ClippedRays {
+            start: [NONE; 3],
+            direction: [NONE; 3],
+            t_start: NONE,
+            t_length: NONE,
+            cull: [NONE; 2],
+            end: NONE,
+            lift: NONE,
+        };
+        let none = [0.0; WIDTH];
         let lanes = RayLanes {
-            o: pair(ray.o),
-            d: pair(ray.d),
-            inv: pair(ray.inv),
-            lo: pair(frame.lo),
-            hi: pair(frame.hi),
-            oz: [ray.oz; WIDTH],
-            dz: [ray.dz; WIDTH],
-            cull: pair(ray.cull),
-            part: pair(part(ray, frame)),
-            shift: [[0.0; WIDTH]; 2],
+            o: [none; 2],
+            d: [none; 2],
+            inv: [none; 2],
+            lo: [none; 2],
+            hi: [none; 2],
+            oz: none,
+            dz: none,
+            cull: [none; 2],
+            part: [none; 2],
+            shift: [none; 2],
+            origin: [[0; WIDTH]; 2],
+            turn: [[0; WIDTH]; 2],
+            base: [[0; WIDTH]; 2],
+            backward: [[0; WIDTH]; 2],
+            below: [0; WIDTH],
         };
-        Self { rays: [*ray; WIDTH], frames: [*frame; WIDTH], lanes, live: 1 << lane }
+        Self { placement, clipped, lanes, first: 0, size: 0.0, live: 0, alone: 0 }
     }
 
-    /// Takes one more ray into a lane; not if it goes another way than the first.
+    /// At most [`PACKET`] rays against a face that shows its map in one run and has no walls.
     #[inline(always)]
-    #[must_use]
-    pub fn take(&mut self, lane: usize, ray: &MapRay, frame: &TileFrame) -> bool {
-        let first = self.frame();
-        // Farther apart than this, differences of cells are not exact any more.
-        let near = |axis: usize| {
-            (i64::from(first.origin[axis]) - i64::from(frame.origin[axis])).abs() < 1 << 22
-        };
-        if frame.turn != first.turn || !near(0) || !near(1) {
-            return false;
+    pub fn fill(&mut self, unfolding: [Unfolding; 2], rays: &[Ray]) {
+        let valid = self.clip(rays);
+        let worth = valid & self.round(unfolding);
+        self.first = worth.trailing_zeros() as usize % PACKET;
+        let mut others = 0;
+        for k in 0..PACKET {
+            others |= u16::from(!self.lanes.go_together(self.first, k)) << k;
         }
+        self.live = worth & !others;
+        self.lanes.repeat(self.first, self.live);
+        self.size = self.clipped.rounded(self.placement, self.first).size;
+        self.alone |= worth & others;
+    }
+
+    /// Clips the rays to the face's box; one bit for each that meets it.
+    #[inline(always)]
+    fn clip(&mut self, rays: &[Ray]) -> u16 {
+        let mut world = [[NONE; 3]; 2];
+        // Lanes without a ray end before they start.
+        let mut t_max = [-1.0; PACKET];
+        for (k, ray) in rays.iter().take(PACKET).enumerate() {
+            for axis in 0..3 {
+                world[0][axis][k] = ray.origin[axis];
+                world[1][axis][k] = ray.direction[axis];
+            }
+            t_max[k] = ray.t_max;
+            if let Some(from) = ray.from {
+                self.clipped.lift[k] = self.placement.lift(from.front);
+                if matches!(from.part, Part::Wall(_)) {
+                    self.alone |= 1 << k;
+                    t_max[k] = -1.0;
+                }
+            }
+        }
+        let shell = self.placement.shell(false);
+        let to = &mut self.clipped;
+        let mut valid = [0u64; PACKET];
+        for k in 0..PACKET {
+            let at = |of: &[[f64; PACKET]; 3]| DVec3::new(of[0][k], of[1][k], of[2][k]);
+            let (origin, direction) =
+                self.placement.lattice_from_world(at(&world[0]), at(&world[1]));
+            let ray = LatticeRay { origin, direction, lift: to.lift[k], t_max: t_max[k] };
+            let clipped = shell.clip(&ray);
+            to.set(k, &clipped);
+            valid[k] = u64::from(clipped.valid);
+        }
+        let mut bits = 0;
+        for (k, valid) in valid.into_iter().enumerate() {
+            bits |= (valid as u16) << k;
+        }
+        bits
+    }
+
+    /// Rounds the rays for the walk; one bit for each that meets the window.
+    #[inline(always)]
+    fn round(&mut self, unfolding: [Unfolding; 2]) -> u16 {
         let to = &mut self.lanes;
-        let [enter, leave] = part(ray, frame);
-        for axis in 0..2 {
-            to.o[axis][lane] = ray.o[axis];
-            to.d[axis][lane] = ray.d[axis];
-            to.inv[axis][lane] = ray.inv[axis];
-            to.lo[axis][lane] = frame.lo[axis];
-            to.hi[axis][lane] = frame.hi[axis];
-            to.cull[axis][lane] = ray.cull[axis];
-            to.shift[axis][lane] = (self.frames[0].origin[axis] - frame.origin[axis]) as f32;
+        let mut meets = [0u32; WIDTH];
+        for k in 0..PACKET {
+            let ray = self.clipped.rounded(self.placement, k);
+            let (enter, leave) = ray.window_span();
+            let frame = TileFrame::of_window(&ray, unfolding, (enter, leave));
+            let part = [larger(enter, ray.cull[0]), smaller(leave, ray.cull[1])];
+            for axis in 0..2 {
+                to.o[axis][k] = ray.o[axis];
+                to.d[axis][k] = ray.d[axis];
+                to.inv[axis][k] = ray.inv[axis];
+                to.lo[axis][k] = frame.lo[axis];
+                to.hi[axis][k] = frame.hi[axis];
+                to.cull[axis][k] = ray.cull[axis];
+                to.part[axis][k] = part[axis];
+                to.origin[axis][k] = frame.origin[axis];
+                to.turn[axis][k] = frame.turn[axis];
+                to.base[axis][k] = ray.base[axis];
+                to.backward[axis][k] = -i32::from(ray.backward[axis]);
+            }
+            (to.oz[k], to.dz[k]) = (ray.oz, ray.dz);
+            to.below[k] = u32::from(!ray.above);
+            meets[k] = u32::from((enter < leave) & (part[0] < part[1]));
         }
-        (to.part[0][lane], to.part[1][lane]) = (enter, leave);
-        (to.oz[lane], to.dz[lane]) = (ray.oz, ray.dz);
-        self.rays[lane] = *ray;
-        self.frames[lane] = *frame;
-        self.live |= 1 << lane;
-        true
+        let mut bits = 0;
+        for (k, meets) in meets.into_iter().enumerate() {
+            bits |= (meets as u16) << k;
+        }
+        bits
     }
 
-    /// The frame in which the packet counts cells: its first ray's.
+    /// Mirrored cell of the first ray's forward cell 0: the packet counts cells from there.
     #[inline(always)]
-    pub fn frame(&self) -> &TileFrame {
-        &self.frames[0]
+    pub fn origin(&self) -> [i32; 2] {
+        [self.lanes.origin[0][self.first], self.lanes.origin[1][self.first]]
     }
 
-    /// Lanes that hold a ray.
+    /// What stored cells are combined with to give mirrored cells; see [`TileFrame`].
     #[inline(always)]
-    pub fn live(&self) -> u16 {
-        self.live
+    pub fn turn(&self) -> [i32; 2] {
+        [self.lanes.turn[0][self.first], self.lanes.turn[1][self.first]]
     }
 
     /// Whether any ray may start below the surface.
     #[inline(always)]
     pub fn any_may_be_below(&self) -> bool {
-        self.rays.iter().any(|ray| !ray.above)
+        self.lanes.below.iter().fold(0, |any, below| any | below) != 0
     }
 
     /// The ray of a lane.
     #[inline(always)]
-    pub fn ray(&self, lane: usize) -> (&MapRay, &TileFrame) {
-        (&self.rays[lane], &self.frames[lane])
+    pub fn ray(&self, lane: usize) -> MapRay {
+        self.clipped.rounded(self.placement, lane)
+    }
+}
+
+impl ClippedRays {
+    #[inline(always)]
+    fn set(&mut self, k: usize, ray: &ClippedRay) {
+        for axis in 0..3 {
+            self.start[axis][k] = ray.start[axis];
+            self.direction[axis][k] = ray.direction[axis];
+        }
+        (self.t_start[k], self.t_length[k]) = (ray.t_start, ray.t_length);
+        (self.cull[0][k], self.cull[1][k]) = (ray.cull[0], ray.cull[1]);
+        self.end[k] = ray.end;
+    }
+
+    /// A ray, rounded for the walk.
+    #[inline(always)]
+    fn rounded(&self, placement: &Placement, k: usize) -> MapRay {
+        let at = |of: &[[f64; PACKET]; 3]| DVec3::new(of[0][k], of[1][k], of[2][k]);
+        let ray = ClippedRay {
+            start: at(&self.start),
+            direction: at(&self.direction),
+            t_start: self.t_start[k],
+            t_length: self.t_length[k],
+            cull: [self.cull[0][k], self.cull[1][k]],
+            end: self.end[k],
+            valid: true,
+        };
+        placement.rounded(&ray, self.lift[k])
     }
 }
 
 impl RayLanes {
+    /// Whether two rays go the same way, and their cells lie close enough for exact differences.
+    #[inline(always)]
+    fn go_together(&self, first: usize, k: usize) -> bool {
+        let same = |axis: usize| self.turn[axis][first] == self.turn[axis][k];
+        let near = |axis: usize| {
+            let apart = i64::from(self.origin[axis][first]) - i64::from(self.origin[axis][k]);
+            apart.abs() < 1 << 22
+        };
+        same(0) & same(1) & near(0) & near(1)
+    }
+
+    /// Fills the lanes that are not live with ray `first`, and counts cells from it.
+    #[inline(always)]
+    fn repeat(&mut self, first: usize, live: u16) {
+        let origin = [self.origin[0][first], self.origin[1][first]];
+        for axis in 0..2 {
+            for k in 0..WIDTH {
+                self.shift[axis][k] = origin[axis].wrapping_sub(self.origin[axis][k]) as f32;
+            }
+        }
+        if live == u16::MAX {
+            return;
+        }
+        for k in (0..WIDTH).filter(|k| live >> k & 1 == 0) {
+            for axis in 0..2 {
+                for of in [
+                    &mut self.o[axis],
+                    &mut self.d[axis],
+                    &mut self.inv[axis],
+                    &mut self.lo[axis],
+                    &mut self.hi[axis],
+                    &mut self.cull[axis],
+                    &mut self.part[axis],
+                    &mut self.shift[axis],
+                ] {
+                    of[k] = of[first];
+                }
+            }
+            (self.oz[k], self.dz[k]) = (self.oz[first], self.dz[first]);
+            self.below[k] = self.below[first];
+        }
+    }
+
+    /// The unfolded cell behind a forward cell of a ray.
+    #[inline(always)]
+    pub fn unfolded(&self, k: usize, cell: [i32; 2]) -> [i32; 2] {
+        let at = |axis: usize| self.base[axis][k] + (cell[axis] ^ self.backward[axis][k]);
+        [at(0), at(1)]
+    }
+
     /// The rays in lanes, as the leaf wants them.
     #[inline(always)]
     pub fn load<L: Lanes>(&self) -> LaneRay<L> {
@@ -121,6 +311,21 @@ impl RayLanes {
             cull: pair(&self.cull),
         }
     }
+
+    /// One ray in all lanes.
+    #[inline(always)]
+    pub fn alone<L: Lanes>(&self, k: usize) -> LaneRay<L> {
+        LaneRay {
+            o: splat_pair(&self.o, k),
+            d: splat_pair(&self.d, k),
+            inv: splat_pair(&self.inv, k),
+            lo: splat_pair(&self.lo, k),
+            hi: splat_pair(&self.hi, k),
+            oz: L::splat(self.oz[k]),
+            dz: L::splat(self.dz[k]),
+            cull: splat_pair(&self.cull, k),
+        }
+    }
 }
 
 /// Two numbers of every ray.
@@ -129,8 +334,8 @@ pub(super) fn pair<L: Lanes>(from: &[[f32; WIDTH]; 2]) -> [L; 2] {
     [L::load(&from[0]), L::load(&from[1])]
 }
 
-/// The part of a ray worth walking.
+/// Two numbers of one ray.
 #[inline(always)]
-fn part(ray: &MapRay, frame: &TileFrame) -> [f32; 2] {
-    [larger(frame.enter, ray.cull[0]), smaller(frame.leave, ray.cull[1])]
+fn splat_pair<L: Lanes>(from: &[[f32; WIDTH]; 2], k: usize) -> [L; 2] {
+    [L::splat(from[0][k]), L::splat(from[1][k])]
 }

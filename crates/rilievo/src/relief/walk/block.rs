@@ -4,12 +4,13 @@
 //! leaf's own function for the cell met first, so that one division and one square root are enough.
 
 use crate::map::{Axis, HeightMap, Samples};
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf::{Crossings, LeafHit};
 use super::super::map_ray::MapRay;
+use super::super::tile;
 use super::TileFrame;
-use super::gaps::{Gaps, LaneRay};
+use super::gaps::{Gaps, LaneRay, StoredGaps};
 
 /// Column and row of each lane.
 pub(crate) static PLACES: [[f32; WIDTH]; 2] = [
@@ -39,7 +40,7 @@ impl<'a> Blocks<'a> {
             L::splat(first[0] as f32).plus(L::load(&PLACES[0])),
             L::splat(first[1] as f32).plus(L::load(&PLACES[1])),
         ];
-        let corners = block_corners(self.map, self.frame, corner);
+        let corners = block_corners(self.map, self.frame.mirror(), corner);
         let gaps = LaneRay::<L>::of(self.ray, self.frame).gaps(cells, corners);
         if gaps.candidates == 0 { None } else { self.first_of(&gaps, first, admit) }
     }
@@ -52,29 +53,57 @@ impl<'a> Blocks<'a> {
         first: [i32; 2],
         admit: Crossings,
     ) -> Option<LeafHit> {
-        let stored = gaps.store();
-        let mut candidates = gaps.candidates;
+        if admit == Crossings::Both {
+            let (roots, lane) = (gaps.roots(), first_lane(gaps.candidates));
+            if roots.sure >> lane & 1 == 1 {
+                let from_above = roots.from_above >> lane & 1 == 1;
+                return Some(LeafHit {
+                    s: roots.s.store()[lane],
+                    cell: cell_at(first, lane),
+                    from_above,
+                });
+            }
+        }
+        self.first_confirmed(&gaps.store(), gaps.candidates, first, admit)
+    }
+
+    /// [`Blocks::first_of`], one candidate after the other, confirmed by the unrounded ray.
+    #[inline(never)]
+    fn first_confirmed(
+        &self,
+        gaps: &StoredGaps,
+        mut candidates: u16,
+        first: [i32; 2],
+        admit: Crossings,
+    ) -> Option<LeafHit> {
         while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize % WIDTH;
+            let lane = first_lane(candidates);
             candidates &= candidates - 1;
-            let cell = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
-            let hit = stored.hit(lane, (self.map, self.ray), cell, admit);
-            if hit.is_some() {
-                return hit;
+            if let Some((t0, hit)) = gaps.hit(lane, cell_at(first, lane), admit)
+                && tile::confirms(self.map, self.ray, (t0, &hit), admit)
+            {
+                return Some(hit);
             }
         }
         None
     }
 }
 
+/// The first lane of some.
+#[inline(always)]
+pub(crate) fn first_lane(lanes: u16) -> usize {
+    lanes.trailing_zeros() as usize % WIDTH
+}
+
+/// The cell of a lane of the block at `first`.
+#[inline(always)]
+pub(crate) fn cell_at(first: [i32; 2], lane: usize) -> [i32; 2] {
+    [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)]
+}
+
 /// Corner heights of the block with its corner at a mirrored cell.
 #[inline(always)]
-pub(crate) fn block_corners<L: Lanes>(
-    map: &HeightMap,
-    frame: &TileFrame,
-    corner: [i32; 2],
-) -> [L; 4] {
-    let mirror = frame.mirror();
+pub(crate) fn block_corners<L: Lanes>(map: &HeightMap, mirror: Mirror, corner: [i32; 2]) -> [L; 4] {
     // The stored cell of the block with the smallest indices.
     let x = if mirror.x { !(corner[0] + 3) } else { corner[0] };
     let y = if mirror.y { !(corner[1] + 3) } else { corner[1] };

@@ -54,7 +54,7 @@ impl TileFrame {
     /// Which axes stored blocks are mirrored along.
     #[inline(always)]
     pub fn mirror(&self) -> Mirror {
-        Mirror { x: self.turn[0] != 0, y: self.turn[1] != 0 }
+        Mirror::of(self.turn)
     }
 }
 
@@ -73,12 +73,23 @@ impl Unfolding {
         Self { zero: run.stored(0), turn: -i32::from(run.flipped) }
     }
 
+    /// The stored cell that an unfolded cell of the run shows.
+    #[inline(always)]
+    pub fn stored(self, cell: i32) -> i32 {
+        self.zero + (cell ^ self.turn) - self.turn
+    }
+
+    /// Whether stored cells fall as unfolded cells rise.
+    #[inline(always)]
+    pub fn falls(self) -> bool {
+        self.turn != 0
+    }
+
     /// Mirrored cell of a ray's forward cell 0, and the turn.
     #[inline(always)]
     fn mirrored(self, ray: &MapRay, axis: usize) -> (i32, i32) {
         let backward = -i32::from(ray.backward[axis]);
-        let first = ray.base[axis] + backward;
-        let shown = self.zero + (first ^ self.turn) - self.turn;
+        let shown = self.stored(ray.base[axis] + backward);
         let turn = self.turn ^ backward;
         (shown ^ turn, turn)
     }

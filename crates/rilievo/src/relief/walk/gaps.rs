@@ -3,12 +3,10 @@
 //! The formulas are those of `leaf`, operation by operation, so their bits are too. Lanes are either
 //! the cells of a block under one ray, or the rays of a packet over one cell: the same function.
 
-use crate::map::HeightMap;
 use crate::simd::{Lanes, WIDTH};
 
 use super::super::leaf::{Crossings, Gap, LeafHit};
 use super::super::map_ray::MapRay;
-use super::super::tile;
 use super::TileFrame;
 
 /// What the leaf knows of the ray of each lane.
@@ -30,6 +28,15 @@ pub(crate) struct Gaps<L: Lanes> {
     t: [L; 2],
     b: [L; 3],
     pub candidates: u16,
+}
+
+/// First roots of the lanes that are candidates, where both directions count.
+pub(crate) struct Roots<L: Lanes> {
+    pub s: L,
+    pub from_above: u16,
+    /// Lanes whose root this surely is. The others start on the surface, or where the ray starts:
+    /// there the leaf itself and the unrounded ray must speak.
+    pub sure: u16,
 }
 
 /// [`Gaps`] in memory.
@@ -122,6 +129,23 @@ impl<L: Lanes> LaneRay<L> {
 }
 
 impl<L: Lanes> Gaps<L> {
+    /// The roots that `Gap::first_root` finds, by the same operations.
+    #[inline(always)]
+    pub fn roots(&self) -> Roots<L> {
+        let zero = L::splat(0.0);
+        let ([t0, t1], [b0, b1, b2]) = (self.t, self.b);
+        let root = b1.times(b1).minus(b0.times(b2)).larger(zero).root();
+        let (b0, b1, b2, above) =
+            (b0.turned_by(b0), b1.turned_by(b0), b2.turned_by(b0), zero.below(b0));
+        let falling = b1.at_most(zero);
+        let sum = b1.plus(root);
+        let top = b0.where_else(falling, sum);
+        let bottom = b0.minus(b1).plus(root).where_else(falling, sum.minus(b2));
+        let s = top.over(bottom).times(t1.minus(t0)).plus(t0).smaller(t1);
+        let sure = L::and(zero.below(b0), zero.below(t0));
+        Roots { s, from_above: L::bits(above), sure: L::bits(sure) }
+    }
+
     /// Lanes to be picked one by one.
     #[inline(always)]
     pub fn store(&self) -> StoredGaps {
@@ -132,19 +156,13 @@ impl<L: Lanes> Gaps<L> {
 }
 
 impl StoredGaps {
-    /// The first admitted crossing of a lane, whose ray and forward cell are given.
+    /// The first admitted crossing of a lane with a given forward cell, and where the span begins;
+    /// `tile::confirms` has the last word.
     #[inline(always)]
-    pub fn hit(
-        &self,
-        lane: usize,
-        (map, ray): (&HeightMap, &MapRay),
-        cell: [i32; 2],
-        admit: Crossings,
-    ) -> Option<LeafHit> {
+    pub fn hit(&self, lane: usize, cell: [i32; 2], admit: Crossings) -> Option<(f32, LeafHit)> {
         let [t0, t1] = [self.t[0][lane], self.t[1][lane]];
         let gap = Gap { b0: self.b[0][lane], b1: self.b[1][lane], b2: self.b[2][lane] };
-        let hit = gap.first_hit([t0, t1], cell, admit)?;
-        tile::confirms(map, ray, (t0, &hit), admit).then_some(hit)
+        Some((t0, gap.first_hit([t0, t1], cell, admit)?))
     }
 }
 

@@ -50,9 +50,11 @@ use super::map_ray::MapRay;
 use node::Nodes;
 use stack::lane_of;
 
-pub(crate) use block::{Blocks, PLACES, block_corners};
+use block::Blocks;
+
+pub(crate) use block::{PLACES, block_corners, cell_at, first_lane};
 pub(crate) use frame::{TileFrame, Unfolding};
-pub(crate) use gaps::LaneRay;
+pub(crate) use gaps::{Gaps, LaneRay, StoredGaps};
 pub(crate) use node::{LINES, Side, bound, culled_heights};
 pub(crate) use stack::{Stack, child};
 

@@ -9,8 +9,8 @@ use super::TileFrame;
 
 /// Offsets of the lines of a node's blocks from its corner, cells: near and far lines in x and y.
 pub(crate) struct Lines {
-    pub near: [[f32; WIDTH]; 2],
-    pub far: [[f32; WIDTH]; 2],
+    pub near: [[i32; WIDTH]; 2],
+    pub far: [[i32; WIDTH]; 2],
 }
 
 /// Levels that a map of 2^24 cells a side has.
@@ -18,7 +18,7 @@ const LEVELS: usize = 12;
 
 /// The lines of every level; filled up to a power of two, so that an index needs no check.
 pub(crate) static LINES: [Lines; 16] = {
-    const NONE: Lines = Lines { near: [[0.0; WIDTH]; 2], far: [[0.0; WIDTH]; 2] };
+    const NONE: Lines = Lines { near: [[0; WIDTH]; 2], far: [[0; WIDTH]; 2] };
     let mut table = [NONE; 16];
     let mut k = 0;
     while k < LEVELS * WIDTH {
@@ -28,8 +28,8 @@ pub(crate) static LINES: [Lines; 16] = {
         let place = [lane as u64 % 4, lane as u64 / 4];
         let mut axis = 0;
         while axis < 2 {
-            lines.near[axis][lane] = (place[axis] * side) as f32;
-            lines.far[axis][lane] = ((place[axis] + 1) * side) as f32;
+            lines.near[axis][lane] = (place[axis] * side) as i32;
+            lines.far[axis][lane] = ((place[axis] + 1) * side) as i32;
             axis += 1;
         }
         k += 1;
@@ -146,11 +146,11 @@ impl<'a> Nodes<'a> {
     /// Parameters of the near and far lines of a node's children; the node begins at `line`.
     #[inline(always)]
     fn times<L: Lanes>(&self, axis: usize, line: i32, lines: &Lines) -> (L, L) {
-        let base = L::splat((line - self.frame.origin[axis]) as f32);
+        let base = line - self.frame.origin[axis];
         let (o, inv) = (L::splat(self.ray.o[axis]), L::splat(self.ray.inv[axis]));
         (
-            base.plus(L::load(&lines.near[axis])).minus(o).times(inv),
-            base.plus(L::load(&lines.far[axis])).minus(o).times(inv),
+            L::wholes(base, &lines.near[axis]).minus(o).times(inv),
+            L::wholes(base, &lines.far[axis]).minus(o).times(inv),
         )
     }
 }
