@@ -64,7 +64,7 @@ pub(crate) fn inside(
         & (window.lo[1] <= corner[1])
         & (window.hi[0] >= corner[0] + 1.0)
         & (window.hi[1] >= corner[1] + 1.0);
-    let within = (x >= 0.0) & (x <= 1.0) & (y >= 0.0) & (y <= 1.0);
+    let within = (0.0..=1.0).contains(&x) & (0.0..=1.0).contains(&y);
     (quad.root_at(ray, cell, s0 + e, [x, y]), whole & within)
 }
 

@@ -10,7 +10,7 @@ use super::super::map_ray::ExactRay;
 use super::super::refine::{self, Root};
 use super::super::trace::{Crossing, refined_across};
 use super::rays::PacketRays;
-use super::{PACKET, PacketHits, lanes};
+use super::{PACKET, PacketHits, lanes_of};
 
 /// Roots side by side.
 struct Roots {
@@ -35,7 +35,7 @@ impl PacketRays<'_> {
     ) {
         let mut corners = [[0.0f32; PACKET]; 4];
         let (mut cells, mut s0) = ([[0; PACKET]; 2], [0.0; PACKET]);
-        for k in lanes(hits.any) {
+        for k in lanes_of(hits.any) {
             let cell = self.lanes.unfolded(k, hits.cell[k]);
             let [h00, h10, h01, h11] = self.placement.corners(heights, cell);
             (corners[0][k], corners[1][k], corners[2][k], corners[3][k]) = (h00, h10, h01, h11);
@@ -44,7 +44,7 @@ impl PacketRays<'_> {
         }
         let window = &self.placement.window;
         let roots = self.roots(&corners, &cells, &s0);
-        for k in lanes(hits.any) {
+        for k in lanes_of(hits.any) {
             let (cell, t_max) = ([cells[0][k], cells[1][k]], rays[k].t_max);
             let front = (hits.from_above >> k & 1 == 1) == rising;
             found[k] = if roots.inside[k] == 1 {

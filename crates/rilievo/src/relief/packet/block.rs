@@ -7,8 +7,9 @@ use super::super::leaf::{self, Crossings, LeafHit};
 use super::super::tile;
 use super::super::walk::{Gaps, LaneRay, PLACES, StoredGaps, block_corners, cell_at, first_lane};
 use super::fat::FatRay;
-use super::rays::{PacketRays, pair};
-use super::{PacketHits, lanes};
+use super::lanes::pair;
+use super::rays::PacketRays;
+use super::{PacketHits, lanes_of};
 
 /// Cells a ray that are worth showing to all rays at once; measured flat between 8 and 12 of 16.
 const FEW_CELLS: u32 = 12;
@@ -123,7 +124,7 @@ impl<'a> PacketBlocks<'a> {
             self.hits.from_above |= roots.from_above & sure;
             self.hits.any |= sure;
             self.live &= !sure;
-            for ray in lanes(sure) {
+            for ray in lanes_of(sure) {
                 self.hits.s[ray] = s[ray];
                 self.hits.cell[ray] = forward(ray);
             }
@@ -131,7 +132,7 @@ impl<'a> PacketBlocks<'a> {
         let doubtful = candidates & !sure;
         if doubtful != 0 {
             let stored = gaps.store();
-            for ray in lanes(doubtful) {
+            for ray in lanes_of(doubtful) {
                 self.put_confirmed(&stored, ray, (ray, forward(ray)));
             }
         }
@@ -161,7 +162,7 @@ impl<'a> PacketBlocks<'a> {
     fn show_rays<L: Lanes>(&mut self, corner: [i32; 2], rays: u16) {
         let corners: [L; 4] = block_corners(self.map, Mirror::of(self.rays.turn()), corner);
         let places = [L::load(&PLACES[0]), L::load(&PLACES[1])];
-        for ray in lanes(rays) {
+        for ray in lanes_of(rays) {
             let lanes = &self.rays.lanes;
             let first = [corner[0] - lanes.origin[0][ray], corner[1] - lanes.origin[1][ray]];
             let cells = [
@@ -189,7 +190,7 @@ impl<'a> PacketBlocks<'a> {
             }
         }
         let stored = gaps.store();
-        for lane in lanes(gaps.candidates) {
+        for lane in lanes_of(gaps.candidates) {
             if self.put_confirmed(&stored, lane, (ray, cell_at(first, lane))) {
                 return;
             }

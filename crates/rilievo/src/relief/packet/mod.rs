@@ -20,6 +20,7 @@
 mod answer;
 mod block;
 mod fat;
+mod lanes;
 mod rays;
 
 use crate::map::{HeightMap, Pyramid};
@@ -88,9 +89,9 @@ pub(crate) fn walk_packet<L: Lanes, P: Probe>(
     blocks.hits
 }
 
-/// The lanes whose bits are set.
+/// The lanes whose bits are set, in order.
 #[inline(always)]
-fn lanes(mut bits: u16) -> impl Iterator<Item = usize> {
+fn lanes_of(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = bits.trailing_zeros() as usize;
         (bits != 0).then(|| {

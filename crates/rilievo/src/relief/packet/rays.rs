@@ -7,13 +7,14 @@
 use glam::DVec3;
 
 use crate::ray::{Part, Ray};
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::WIDTH;
 
 use super::super::map_ray::{MapRay, larger, smaller};
 use super::super::placement::Placement;
 use super::super::shell::{ClippedRay, LatticeRay};
-use super::super::walk::{LaneRay, TileFrame, Unfolding};
+use super::super::walk::{TileFrame, Unfolding};
 use super::PACKET;
+use super::lanes::RayLanes;
 
 /// Rays that run through one window in the same mirrored directions. Lanes without a ray repeat the
 /// first one that has one.
@@ -42,30 +43,6 @@ pub(super) struct ClippedRays {
     lift: [f64; PACKET],
 }
 
-/// Rays as the walk sees them.
-pub(super) struct RayLanes {
-    pub o: [[f32; WIDTH]; 2],
-    pub d: [[f32; WIDTH]; 2],
-    pub inv: [[f32; WIDTH]; 2],
-    pub lo: [[f32; WIDTH]; 2],
-    pub hi: [[f32; WIDTH]; 2],
-    pub oz: [f32; WIDTH],
-    pub dz: [f32; WIDTH],
-    pub cull: [[f32; WIDTH]; 2],
-    /// The part worth walking.
-    pub part: [[f32; WIDTH]; 2],
-    /// Added to forward cells of the first ray's frame to give those of each ray's own; integers.
-    pub shift: [[f32; WIDTH]; 2],
-    /// Mirrored cell of each ray's forward cell 0.
-    pub origin: [[i32; WIDTH]; 2],
-    turn: [[i32; WIDTH]; 2],
-    /// Unfolded cell of forward cell 0, and -1 where cells are counted backward, else 0.
-    base: [[i32; WIDTH]; 2],
-    backward: [[i32; WIDTH]; 2],
-    /// 1 where the ray may start below the surface.
-    below: [u32; WIDTH],
-}
-
 /// Numbers of all rays, none yet.
 const NONE: [f64; PACKET] = [0.0; PACKET];
 
@@ -82,25 +59,7 @@ impl<'a> PacketRays<'a> {
             end: NONE,
             lift: NONE,
         };
-        let none = [0.0; WIDTH];
-        let lanes = RayLanes {
-            o: [none; 2],
-            d: [none; 2],
-            inv: [none; 2],
-            lo: [none; 2],
-            hi: [none; 2],
-            oz: none,
-            dz: none,
-            cull: [none; 2],
-            part: [none; 2],
-            shift: [none; 2],
-            origin: [[0; WIDTH]; 2],
-            turn: [[0; WIDTH]; 2],
-            base: [[0; WIDTH]; 2],
-            backward: [[0; WIDTH]; 2],
-            below: [0; WIDTH],
-        };
-        Self { placement, clipped, lanes, first: 0, size: 0.0, live: 0, alone: 0 }
+        Self { placement, clipped, lanes: RayLanes::new(), first: 0, size: 0.0, live: 0, alone: 0 }
     }
 
     /// At most [`PACKET`] rays against a face that shows its map in one run and has no walls.
@@ -126,9 +85,10 @@ impl<'a> PacketRays<'a> {
         // Lanes without a ray end before they start.
         let mut t_max = [-1.0; PACKET];
         for (k, ray) in rays.iter().take(PACKET).enumerate() {
+            let [origin, direction] = &mut world;
             for axis in 0..3 {
-                world[0][axis][k] = ray.origin[axis];
-                world[1][axis][k] = ray.direction[axis];
+                origin[axis][k] = ray.origin[axis];
+                direction[axis][k] = ray.direction[axis];
             }
             t_max[k] = ray.t_max;
             if let Some(from) = ray.from {
@@ -163,11 +123,11 @@ impl<'a> PacketRays<'a> {
     fn round(&mut self, unfolding: [Unfolding; 2]) -> u16 {
         let to = &mut self.lanes;
         let mut meets = [0u32; WIDTH];
-        for k in 0..PACKET {
+        for (k, meets) in meets.iter_mut().enumerate() {
             let ray = self.clipped.rounded(self.placement, k);
             let (enter, leave) = ray.window_span();
             let frame = TileFrame::of_window(&ray, unfolding, (enter, leave));
-            let part = [larger(enter, ray.cull[0]), smaller(leave, ray.cull[1])];
+            let (first, last) = (larger(enter, ray.cull[0]), smaller(leave, ray.cull[1]));
             for axis in 0..2 {
                 to.o[axis][k] = ray.o[axis];
                 to.d[axis][k] = ray.d[axis];
@@ -175,15 +135,15 @@ impl<'a> PacketRays<'a> {
                 to.lo[axis][k] = frame.lo[axis];
                 to.hi[axis][k] = frame.hi[axis];
                 to.cull[axis][k] = ray.cull[axis];
-                to.part[axis][k] = part[axis];
                 to.origin[axis][k] = frame.origin[axis];
                 to.turn[axis][k] = frame.turn[axis];
                 to.base[axis][k] = ray.base[axis];
                 to.backward[axis][k] = -i32::from(ray.backward[axis]);
             }
+            (to.part[0][k], to.part[1][k]) = (first, last);
             (to.oz[k], to.dz[k]) = (ray.oz, ray.dz);
             to.below[k] = u32::from(!ray.above);
-            meets[k] = u32::from((enter < leave) & (part[0] < part[1]));
+            *meets = u32::from((enter < leave) & (first < last));
         }
         let mut bits = 0;
         for (k, meets) in meets.into_iter().enumerate() {
@@ -244,98 +204,4 @@ impl ClippedRays {
         };
         placement.rounded(&ray, self.lift[k])
     }
-}
-
-impl RayLanes {
-    /// Whether two rays go the same way, and their cells lie close enough for exact differences.
-    #[inline(always)]
-    fn go_together(&self, first: usize, k: usize) -> bool {
-        let same = |axis: usize| self.turn[axis][first] == self.turn[axis][k];
-        let near = |axis: usize| {
-            let apart = i64::from(self.origin[axis][first]) - i64::from(self.origin[axis][k]);
-            apart.abs() < 1 << 22
-        };
-        same(0) & same(1) & near(0) & near(1)
-    }
-
-    /// Fills the lanes that are not live with ray `first`, and counts cells from it.
-    #[inline(always)]
-    fn repeat(&mut self, first: usize, live: u16) {
-        let origin = [self.origin[0][first], self.origin[1][first]];
-        for axis in 0..2 {
-            for k in 0..WIDTH {
-                self.shift[axis][k] = origin[axis].wrapping_sub(self.origin[axis][k]) as f32;
-            }
-        }
-        if live == u16::MAX {
-            return;
-        }
-        for k in (0..WIDTH).filter(|k| live >> k & 1 == 0) {
-            for axis in 0..2 {
-                for of in [
-                    &mut self.o[axis],
-                    &mut self.d[axis],
-                    &mut self.inv[axis],
-                    &mut self.lo[axis],
-                    &mut self.hi[axis],
-                    &mut self.cull[axis],
-                    &mut self.part[axis],
-                    &mut self.shift[axis],
-                ] {
-                    of[k] = of[first];
-                }
-            }
-            (self.oz[k], self.dz[k]) = (self.oz[first], self.dz[first]);
-            self.below[k] = self.below[first];
-        }
-    }
-
-    /// The unfolded cell behind a forward cell of a ray.
-    #[inline(always)]
-    pub fn unfolded(&self, k: usize, cell: [i32; 2]) -> [i32; 2] {
-        let at = |axis: usize| self.base[axis][k] + (cell[axis] ^ self.backward[axis][k]);
-        [at(0), at(1)]
-    }
-
-    /// The rays in lanes, as the leaf wants them.
-    #[inline(always)]
-    pub fn load<L: Lanes>(&self) -> LaneRay<L> {
-        LaneRay {
-            o: pair(&self.o),
-            d: pair(&self.d),
-            inv: pair(&self.inv),
-            lo: pair(&self.lo),
-            hi: pair(&self.hi),
-            oz: L::load(&self.oz),
-            dz: L::load(&self.dz),
-            cull: pair(&self.cull),
-        }
-    }
-
-    /// One ray in all lanes.
-    #[inline(always)]
-    pub fn alone<L: Lanes>(&self, k: usize) -> LaneRay<L> {
-        LaneRay {
-            o: splat_pair(&self.o, k),
-            d: splat_pair(&self.d, k),
-            inv: splat_pair(&self.inv, k),
-            lo: splat_pair(&self.lo, k),
-            hi: splat_pair(&self.hi, k),
-            oz: L::splat(self.oz[k]),
-            dz: L::splat(self.dz[k]),
-            cull: splat_pair(&self.cull, k),
-        }
-    }
-}
-
-/// Two numbers of every ray.
-#[inline(always)]
-pub(super) fn pair<L: Lanes>(from: &[[f32; WIDTH]; 2]) -> [L; 2] {
-    [L::load(&from[0]), L::load(&from[1])]
-}
-
-/// Two numbers of one ray.
-#[inline(always)]
-fn splat_pair<L: Lanes>(from: &[[f32; WIDTH]; 2], k: usize) -> [L; 2] {
-    [L::splat(from[0][k]), L::splat(from[1][k])]
 }
