@@ -241,7 +241,11 @@ pub fn names_its_point(oracle: &Oracle<'_>, ray: &Ray, hit: &Hit) -> bool {
                 && normal.dot(hit.geometric_normal) >= 1.0 - 1e-6
         }
         Part::Wall(_) => hit.geometric_normal.dot(oracle.normal()).abs() <= 1e-9,
-        Part::Whole | Part::Triangle(_) | Part::CubeCell(..) => false,
+        Part::Whole
+        | Part::Triangle(_)
+        | Part::CubeCell(..)
+        | Part::TriangleCell { .. }
+        | Part::SeamWall(_) => false,
     };
     on_ray && right_uv && unit && small && own
 }

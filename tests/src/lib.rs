@@ -7,6 +7,8 @@ pub mod conformance;
 pub mod image;
 pub mod kernel;
 pub mod maps;
+pub mod mesh_oracle;
+pub mod meshes;
 pub mod nudge;
 pub mod oracle;
 pub mod random;

@@ -245,9 +245,11 @@ impl<'a> Oracle<'a> {
                 at[stand.axis] = stand.coordinate;
                 Start { part, at, offset: face.z }
             }
-            Part::Whole | Part::Triangle(_) | Part::CubeCell(..) => {
-                Start { part, at, offset: face.z }
-            }
+            Part::Whole
+            | Part::Triangle(_)
+            | Part::CubeCell(..)
+            | Part::TriangleCell { .. }
+            | Part::SeamWall(_) => Start { part, at, offset: face.z },
         }
     }
 

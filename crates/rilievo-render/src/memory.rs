@@ -48,29 +48,21 @@ impl MemoryUse {
                 Surface::Mesh(mesh) => all.geometry += mesh.bytes(),
                 Surface::Face(face) => {
                     all.geometry += size_of_val(face.as_ref()) as u64;
-                    if first(Arc::as_ptr(face.relief()).cast()) {
-                        let (heights, bounds) = face.relief().bytes();
-                        all.heights += heights;
-                        all.bounds += bounds;
-                    }
-                    if let ShadingNormals::Map(map) = &face.options().normals
-                        && first(Arc::as_ptr(map).cast())
-                    {
-                        all.bounds += map.bytes();
-                    }
+                    let relief = face.relief();
+                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                    all.add_relief(bytes, &face.options().normals, &mut first);
                 }
                 Surface::ReliefSphere(sphere) => {
                     all.geometry += size_of_val(sphere.as_ref()) as u64;
-                    if first(Arc::as_ptr(sphere.relief()).cast()) {
-                        let (heights, bounds) = sphere.relief().bytes();
-                        all.heights += heights;
-                        all.bounds += bounds;
-                    }
-                    if let ShadingNormals::Map(map) = &sphere.options().normals
-                        && first(Arc::as_ptr(map).cast())
-                    {
-                        all.bounds += map.bytes();
-                    }
+                    let relief = sphere.relief();
+                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                    all.add_relief(bytes, &sphere.options().normals, &mut first);
+                }
+                Surface::ReliefMesh(mesh) => {
+                    all.geometry += mesh.bytes();
+                    let relief = mesh.relief();
+                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                    all.add_relief(bytes, &mesh.options().normals, &mut first);
                 }
             }
         }
@@ -85,6 +77,24 @@ impl MemoryUse {
         let tile = Film::predicted_bytes([TILE; 2], options.aovs);
         all.threads = thread_count(options.threads) as u64 * (STACK + tile);
         all
+    }
+
+    /// Adds what is at an address, heights and bounds, and normals, each once.
+    fn add_relief(
+        &mut self,
+        (address, (heights, bounds)): (*const (), (u64, u64)),
+        normals: &ShadingNormals,
+        first: &mut impl FnMut(*const ()) -> bool,
+    ) {
+        if first(address) {
+            self.heights += heights;
+            self.bounds += bounds;
+        }
+        if let ShadingNormals::Map(map) = normals
+            && first(Arc::as_ptr(map).cast())
+        {
+            self.bounds += map.bytes();
+        }
     }
 
     /// All bytes.

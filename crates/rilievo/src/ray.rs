@@ -46,6 +46,15 @@ pub enum Part {
     Triangle(u32),
     /// A cell of a relief: its unfolded lattice indices.
     Cell(i32, i32),
+    /// A cell of a displaced mesh: a base triangle and unfolded lattice indices.
+    TriangleCell {
+        /// The base triangle.
+        triangle: u32,
+        /// The cell of the map that it shows there.
+        cell: [i32; 2],
+    },
+    /// A wall of a displaced mesh: its number.
+    SeamWall(u32),
     /// An upright wall of a relief, on its border or on a seam between two tiles.
     Wall(Wall),
     /// A cell of a displaced sphere: the face of the cube around it, and the cell's lattice indices.

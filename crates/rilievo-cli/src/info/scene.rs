@@ -97,6 +97,10 @@ impl Report {
         for surface in scene.world().surfaces() {
             match surface {
                 Surface::Face(_) | Surface::ReliefSphere(_) => report.reliefs += 1,
+                Surface::ReliefMesh(mesh) => {
+                    report.reliefs += 1;
+                    report.triangles += mesh.data().triangles.len();
+                }
                 Surface::Quad(_) => report.quads += 1,
                 Surface::Sphere(_) => report.spheres += 1,
                 Surface::Mesh(mesh) => {

@@ -80,7 +80,10 @@ impl Light {
                     .filter(|light| matches!(light, Self::Triangle(t) if t.has_area()))
                     .collect()
             }
-            Surface::Mesh(_) | Surface::Face(_) | Surface::ReliefSphere(_) => Vec::new(),
+            Surface::Mesh(_)
+            | Surface::Face(_)
+            | Surface::ReliefSphere(_)
+            | Surface::ReliefMesh(_) => Vec::new(),
         }
     }
 

@@ -24,6 +24,6 @@ pub use normal::{
 };
 pub use procedural::{Procedural, ProceduralError};
 
-pub(crate) use pyramid::SideBounds;
 pub use pyramid::{Code, Layout, Level, LevelBounds, Pyramid, PyramidViolation, UnknownLayout};
+pub(crate) use pyramid::{NodeBounds, SideBounds};
 pub use statistics::{HeightStatistics, Seam};

@@ -156,17 +156,22 @@ impl Mesh {
 
     /// Memory held, in bytes, the tree included.
     pub fn bytes(&self) -> u64 {
-        let MeshData { positions, normals, uvs, triangles } = &self.data;
-        let parts = size_of_val(positions.as_slice())
-            + size_of_val(normals.as_slice())
-            + size_of_val(uvs.as_slice())
-            + size_of_val(triangles.as_slice())
-            + size_of_val(self.solid.as_slice());
-        parts as u64 + self.tree.bytes()
+        let solid = size_of_val(self.solid.as_slice()) as u64;
+        self.data.bytes() + solid + self.tree.bytes()
     }
 }
 
 impl MeshData {
+    /// Memory held, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let Self { positions, normals, uvs, triangles } = self;
+        let parts = size_of_val(positions.as_slice())
+            + size_of_val(normals.as_slice())
+            + size_of_val(uvs.as_slice())
+            + size_of_val(triangles.as_slice());
+        parts as u64
+    }
+
     fn check(&self) -> Result<(), MeshError> {
         if self.triangles.is_empty() {
             return Err(MeshError::Empty);

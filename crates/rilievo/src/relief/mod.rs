@@ -28,6 +28,7 @@ mod distance_walk;
 mod face;
 mod leaf;
 mod map_ray;
+mod mesh;
 mod method;
 mod options;
 mod packet;
@@ -49,6 +50,7 @@ use crate::map::{
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
+pub use mesh::{Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError};
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
 pub(crate) use sphere::SphereCrossing;

@@ -9,7 +9,7 @@ use crate::mesh::crossing::Crossing;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
 use crate::ray::Ray;
-use crate::relief::{self, ReliefFace, ReliefSphere, SphereCrossing};
+use crate::relief::{self, MeshCrossing, ReliefFace, ReliefMesh, ReliefSphere, SphereCrossing};
 
 use super::{Quad, Sphere, Surface};
 
@@ -26,6 +26,8 @@ pub(super) enum Meeting<'a> {
     Face(&'a ReliefFace, relief::Crossing),
     /// A displaced sphere.
     ReliefSphere(&'a ReliefSphere, SphereCrossing),
+    /// A displaced mesh.
+    ReliefMesh(&'a ReliefMesh, MeshCrossing),
 }
 
 impl Meeting<'_> {
@@ -37,6 +39,7 @@ impl Meeting<'_> {
             Self::Sphere(_, t, _) => *t,
             Self::Face(_, crossing) => crossing.t,
             Self::ReliefSphere(_, crossing) => crossing.t,
+            Self::ReliefMesh(_, crossing) => crossing.t,
         }
     }
 
@@ -48,6 +51,7 @@ impl Meeting<'_> {
             Self::Mesh(mesh, index, crossing) => mesh.complete(*index, crossing),
             Self::Face(face, crossing) => face.complete(ray, crossing),
             Self::ReliefSphere(sphere, crossing) => sphere.complete(crossing),
+            Self::ReliefMesh(mesh, crossing) => mesh.complete(ray, crossing),
         }
     }
 }
@@ -79,6 +83,7 @@ impl Surface {
             Self::ReliefSphere(sphere) => {
                 Meeting::ReliefSphere(sphere, sphere.first_crossing(ray, probe)?)
             }
+            Self::ReliefMesh(mesh) => Meeting::ReliefMesh(mesh, mesh.first_crossing(ray, probe)?),
         })
     }
 }

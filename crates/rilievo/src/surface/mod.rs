@@ -25,7 +25,7 @@ use crate::mesh::Mesh;
 use crate::mesh::departure::{Departure, Shell};
 use crate::probe::Probe;
 use crate::ray::{Origin, Ray};
-use crate::relief::{ReliefFace, ReliefSphere};
+use crate::relief::{ReliefFace, ReliefMesh, ReliefSphere};
 
 /// Anything a ray can meet.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub enum Surface {
     Face(Box<ReliefFace>),
     /// A displaced sphere.
     ReliefSphere(Box<ReliefSphere>),
+    /// A displaced triangle mesh.
+    ReliefMesh(Box<ReliefMesh>),
 }
 
 impl From<Quad> for Surface {
@@ -72,6 +74,12 @@ impl From<ReliefSphere> for Surface {
     }
 }
 
+impl From<ReliefMesh> for Surface {
+    fn from(mesh: ReliefMesh) -> Self {
+        Self::ReliefMesh(Box::new(mesh))
+    }
+}
+
 impl Surface {
     /// The nearest hit within `0 <= t <= t_max`. `ray.from`, if any, is on this surface;
     /// `hit.surface` is 0.
@@ -94,6 +102,7 @@ impl Surface {
             Self::Mesh(mesh) => mesh.bounds(),
             Self::Face(face) => face.bounds(),
             Self::ReliefSphere(sphere) => sphere.bounds(),
+            Self::ReliefMesh(mesh) => mesh.bounds(),
         }
     }
 
@@ -105,6 +114,7 @@ impl Surface {
             Self::Mesh(mesh) => mesh.departure(from),
             Self::Face(face) => Some(Departure::Shell(face.as_ref())),
             Self::ReliefSphere(sphere) => Some(Departure::Shell(sphere.as_ref())),
+            Self::ReliefMesh(mesh) => Some(Departure::Shell(mesh.as_ref())),
         }
     }
 
@@ -121,6 +131,7 @@ impl Surface {
             Self::Mesh(mesh) => mesh.occludes_after(ray, departure, probe),
             Self::Face(face) => face.occludes(ray, probe),
             Self::ReliefSphere(sphere) => sphere.occludes(ray, probe),
+            Self::ReliefMesh(mesh) => mesh.occludes(ray, probe),
         }
     }
 }
@@ -146,10 +157,20 @@ impl Shell for ReliefFace {
 impl Shell for ReliefSphere {
     /// The box around it.
     fn hull(&self) -> [DVec3; 8] {
-        let Aabb { min, max } = self.bounds();
-        std::array::from_fn(|k| {
-            let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
-            DVec3::new(pick(0), pick(1), pick(2))
-        })
+        corners(self.bounds())
     }
+}
+
+impl Shell for ReliefMesh {
+    /// The box around it.
+    fn hull(&self) -> [DVec3; 8] {
+        corners(self.bounds())
+    }
+}
+
+fn corners(Aabb { min, max }: Aabb) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
 }

@@ -1,0 +1,85 @@
+//! [`MeshRay`]: a ray in the frame of a mesh, cut to its box, and sheared for the leaf.
+
+use glam::DVec3;
+
+use crate::accel::{Aabb, SlabRay};
+use crate::ray::Ray;
+
+/// A ray that starts where it enters the box of a mesh, relative to the mesh's centre. It is made
+/// once for a ray and a mesh: its rounding is the same for all that is in the mesh, so nothing can
+/// open between two parts of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshRay {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    /// Parameter of the original ray at `origin`.
+    pub t_start: f64,
+    /// Largest parameter of interest, from `origin`.
+    pub t_max: f64,
+    /// Two minor axes and the axis along which the ray is longest; they keep handedness
+    /// \[Woop2013\].
+    axes: [usize; 3],
+    shear: [f64; 2],
+    /// Direction along the longest axis.
+    along: f64,
+}
+
+impl MeshRay {
+    /// `bounds` is relative to `centre`.
+    pub fn new(ray: &Ray, centre: DVec3, bounds: &Aabb) -> Option<Self> {
+        let mut local = Ray { origin: ray.origin - centre, ..*ray };
+        if !local.is_valid() {
+            return None;
+        }
+        let t_start = SlabRay::new(&local).entry(bounds, ray.t_max)?;
+        local.origin += t_start * local.direction;
+        let d = local.direction;
+        let z = d.abs().max_position();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if d[z] < 0.0 {
+            (x, y) = (y, x);
+        }
+        let far = |k: usize| {
+            let face = if d[k] > 0.0 { bounds.max[k] } else { bounds.min[k] };
+            let t = (face - local.origin[k]) / d[k];
+            if t.is_nan() { f64::INFINITY } else { t }
+        };
+        // Wider than any rounding: only what is far beyond the box is cut off.
+        let leave = far(0).min(far(1)).min(far(2)).max(0.0);
+        let size = (bounds.max - bounds.min).max_element();
+        let t_max = (leave + 0.1 * size / d[z].abs()).min(ray.t_max - t_start);
+        Some(Self {
+            origin: local.origin,
+            direction: d,
+            t_start,
+            t_max,
+            axes: [x, y, z],
+            shear: [d[x] / d[z], d[y] / d[z]],
+            along: d[z],
+        })
+    }
+
+    /// The ray for a tree in the mesh's frame.
+    pub fn as_ray(&self) -> Ray {
+        Ray { t_max: self.t_max, ..Ray::new(self.origin, self.direction) }
+    }
+
+    /// Scene units of depth per unit of the parameter.
+    #[inline]
+    pub fn speed(&self) -> f64 {
+        self.along.abs()
+    }
+
+    /// A vector with the ray turned into the third axis.
+    #[inline]
+    pub fn sheared(&self, v: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes;
+        DVec3::new(v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z])
+    }
+
+    /// Parameter at a depth along the third axis.
+    #[inline]
+    pub fn t(&self, depth: f64) -> f64 {
+        depth / self.along
+    }
+}

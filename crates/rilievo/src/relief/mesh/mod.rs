@@ -1,0 +1,369 @@
+//! [`ReliefMesh`]: a displaced triangle mesh.
+//!
+//! **The surface.** Over each base triangle `S(u, v) = P(u, v) + offset(u, v) N(u, v)` with
+//! `offset = scale (H(u tile + shift, v tile + shift) - zero)`; `P` and `N` are linear, `N` is *not* made unit
+//! again in between, so that neighbours share their sides; `H` is bilinear on the unfolded lattice. Uv
+//! may lie anywhere, be mirrored, overlap or be repeated. Nothing is tessellated: memory is that of
+//! the map and about 300 bytes a base triangle.
+//!
+//! **How a ray is traced.** A tree over *prisms*, what a triangle spans between the lowest and the highest
+//! height under it (`prism`, `footprint`); in a prism a straight line with a bounded remainder
+//! (`frame`), walked through the pyramid of the map (`walk`); at the end the leaf (`leaf`), which encloses
+//! every root. This is nonlinear ray tracing \[Ogaki2023\] made linear: where that follows the curve that
+//! a ray is in lattice coordinates, we follow its tangent about a centre, whose distance from the
+//! curve is known exactly, and take a new centre on the way down. No bound and no step is chosen.
+//!
+//! **Proven**: no root is left out (`frame`, `walk`), every root is enclosed (`leaf`), all bounds are
+//! computed, so it holds for moved and scaled scenes. A mesh that is closed in its positions is closed
+//! when displaced with [`Edges::Shared`]: sheets that meet in an edge meet in the same points where
+//! they show the same heights, and a wall stands between them where they do not (`wall`).
+//!
+//! **Measured**: docs/METHODS.md.
+
+mod departure;
+mod footprint;
+mod frame;
+mod hit;
+mod leaf;
+mod line;
+mod nearest;
+mod options;
+mod patch;
+mod prism;
+mod seams;
+mod vertices;
+mod walk;
+mod wall;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::accel::{Aabb, Bvh};
+use crate::hit::Hit;
+use crate::mesh::{Mesh, MeshData};
+use crate::probe::Probe;
+use crate::ray::Ray;
+use crate::simd;
+
+use super::Relief;
+use super::method::Method;
+use super::options::Displacement;
+use footprint::{Footprint, MARGIN};
+use line::MeshRay;
+use nearest::{Candidate, Nearest};
+pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
+use prism::{Prism, Shape};
+use seams::Seams;
+use vertices::{Offsets, Vertex, Vertices};
+use walk::PrismWalk;
+use wall::{Side, Wall};
+
+/// Largest magnitude of a lattice coordinate.
+const MAX_COORDINATE: f64 = (1u32 << 22) as f64;
+
+/// Largest magnitude of a coordinate of the displaced mesh.
+const MAX_REACH: f64 = 1e50;
+
+/// A displaced triangle mesh, ready to be traced.
+#[derive(Clone, Debug)]
+pub struct ReliefMesh {
+    data: MeshData,
+    relief: Arc<Relief>,
+    options: MeshOptions,
+    report: MeshReport,
+    /// World position of the origin of all that follows.
+    centre: DVec3,
+    offsets: Offsets,
+    vertices: Vec<Vertex>,
+    /// One a triangle.
+    prisms: Vec<Prism>,
+    walls: Vec<Wall>,
+    /// Items of the tree: prisms, then walls after all prisms.
+    items: Vec<u32>,
+    tree: Bvh,
+    /// Bounds all coordinates of rays in the mesh's box and of the mesh, with a factor to spare.
+    reach: f64,
+    /// By how much heights of reported roots may lie outside of the bounds of their cell.
+    height_slack: f64,
+}
+
+/// Where a ray crosses a displaced mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshCrossing {
+    /// Ray parameter.
+    pub t: f64,
+    candidate: Candidate,
+}
+
+impl ReliefMesh {
+    /// Lays a map on a mesh.
+    ///
+    /// # Errors
+    /// [`ReliefMeshError`] for triangles without uv, numbers of the displacement out of range, or
+    /// a method that does not know meshes.
+    pub fn new(
+        mesh: &Mesh,
+        relief: Arc<Relief>,
+        options: MeshOptions,
+    ) -> Result<Self, ReliefMeshError> {
+        if !matches!(options.method, Method::Pyramid | Method::Dda) {
+            return Err(ReliefMeshError::Method(options.method));
+        }
+        check_displacement(&options.displacement)?;
+        let data = mesh.data().clone();
+        let lattice = lattice(&data, &relief, &options.displacement)?;
+        let corners = data.triangles.iter().flat_map(|t| t.positions);
+        let centre = Aabb::around(corners.map(|p| data.positions[p as usize])).centre();
+        let offsets = Offsets::new(relief.heights(), &options.displacement);
+        let vertices = Vertices::new(&data, centre, &offsets, options.edges);
+        let size = (vertices.all.iter())
+            .map(|v| v.base.abs().max_element() + offsets.half_range * v.rise.abs().max_element())
+            .fold(0.0, f64::max);
+        let finite = vertices.all.iter().all(|v| v.base.is_finite() && v.rise.is_finite());
+        if size > MAX_REACH || !finite {
+            return Err(ReliefMeshError::TooLarge { found: size });
+        }
+        let reach = 4.0 * size;
+        let level = f64::from(offsets.level);
+        let prisms: Vec<Prism> = (vertices.corners.par_iter().zip(&lattice))
+            .map(|(&corners, &lattice)| {
+                let range = Footprint::new(lattice).raw_range(&relief);
+                let range = range.map(|raw| f64::from(raw) - level);
+                Prism::new(corners, &vertices.all, lattice, range, reach)
+            })
+            .collect();
+        let closed = options.closed && options.edges == Edges::Shared;
+        let seams = match options.edges {
+            Edges::Shared => Seams::find(&data, &vertices, &prisms, relief.heights(), closed),
+            Edges::AsAuthored => Seams::default(),
+        };
+        let mut all = Self {
+            height_slack: 8.0 * MARGIN * offsets.half_range,
+            data,
+            relief,
+            options,
+            report: MeshReport::default(),
+            centre,
+            offsets,
+            vertices: vertices.all,
+            prisms,
+            walls: seams.walls,
+            items: Vec::new(),
+            tree: Bvh::default(),
+            reach,
+        };
+        all.report.seam_walls = seams.between;
+        all.report.border_walls = seams.borders;
+        all.report.open_edges = seams.open;
+        all.judge_triangles();
+        all.plant();
+        Ok(all)
+    }
+
+    /// Lists the triangles that are out of the ordinary.
+    fn judge_triangles(&mut self) {
+        for (triangle, prism) in (0..).zip(&self.prisms) {
+            if prism.has_no_volume() {
+                self.report.no_volume.push(triangle);
+                continue;
+            }
+            if prism.shape == Shape::Thread {
+                self.report.no_uv_area.push(triangle);
+            }
+            if prism.folds(&self.vertices, self.offsets.base()) {
+                self.report.folded.push(triangle);
+            }
+        }
+    }
+
+    /// Builds the tree.
+    fn plant(&mut self) {
+        let count = self.prisms.len() as u32;
+        let mut boxes = Vec::with_capacity(self.prisms.len() + self.walls.len());
+        for (index, prism) in (0..).zip(&self.prisms) {
+            if !prism.has_no_volume() {
+                self.items.push(index);
+                let spare = 2.0 * prism.t_slack + prism.rounding(self.reach);
+                boxes.push(self.around(&prism.corners, prism.range).grown(spare));
+            }
+        }
+        for (index, wall) in (count..).zip(&self.walls) {
+            let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+            for side in std::iter::once(&wall.first).chain(&wall.second) {
+                let [a, b] = side.ends;
+                let shown = Footprint::new([a, b, b]).raw_range(&self.relief);
+                let [low, high] = shown.map(|raw| f64::from(raw) - f64::from(self.offsets.level));
+                range = [range[0].min(low), range[1].max(high)];
+            }
+            if wall.second.is_none() {
+                let base = self.offsets.base();
+                range = [range[0].min(base), range[1].max(base)];
+            }
+            self.items.push(index);
+            let bounds = self.around(&wall.ends, range);
+            boxes.push(bounds.grown(4.0 * wall::OVERLAP * self.reach));
+        }
+        self.tree = Bvh::build(&boxes, 1);
+    }
+
+    /// The box of vertices displaced by a range of heights.
+    fn around(&self, vertices: &[u32], range: [f64; 2]) -> Aabb {
+        let vertices = vertices.iter().map(|&k| self.vertices[k as usize]);
+        Aabb::around(vertices.flat_map(|v| range.map(|h| v.base + h * v.rise)))
+    }
+
+    /// The box that holds the displaced mesh and its walls, a rounding margin included.
+    pub fn bounds(&self) -> Aabb {
+        let Aabb { min, max } = self.tree.bounds();
+        let bounds = Aabb { min: min + self.centre, max: max + self.centre };
+        bounds.grown(crate::accel::GROWTH * bounds.largest_coordinate())
+    }
+
+    /// The shared relief.
+    pub fn relief(&self) -> &Arc<Relief> {
+        &self.relief
+    }
+
+    /// The options the mesh was displaced with.
+    pub fn options(&self) -> &MeshOptions {
+        &self.options
+    }
+
+    /// What is out of the ordinary.
+    pub fn report(&self) -> &MeshReport {
+        &self.report
+    }
+
+    /// The base mesh.
+    pub fn data(&self) -> &MeshData {
+        &self.data
+    }
+
+    /// Bytes held beyond the relief, the base mesh included.
+    pub fn bytes(&self) -> u64 {
+        let parts = size_of_val(self.vertices.as_slice())
+            + size_of_val(self.prisms.as_slice())
+            + size_of_val(self.walls.as_slice())
+            + size_of_val(self.items.as_slice());
+        parts as u64 + self.data.bytes() + self.tree.bytes()
+    }
+
+    /// The nearest hit with `0 <= t <= ray.t_max`. `hit.surface` is 0.
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let crossing = self.first_crossing(ray, probe)?;
+        Some(self.complete(ray, &crossing))
+    }
+
+    /// Whether the ray meets the mesh at some `0 <= t <= ray.t_max`.
+    pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.search(ray, true, probe).is_some()
+    }
+
+    /// The nearest crossing with `0 <= t <= ray.t_max`: what [`ReliefMesh::closest`] finds, without
+    /// normals and position.
+    pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<MeshCrossing> {
+        self.search(ray, false, probe)
+    }
+
+    fn search<P: Probe>(&self, ray: &Ray, any: bool, probe: &mut P) -> Option<MeshCrossing> {
+        let line = MeshRay::new(&self.lifted(ray), self.centre, &self.tree.bounds())?;
+        let mut nearest = Nearest::new(line.t_max, any);
+        let count = self.prisms.len() as u32;
+        let mut visit = |item: u32, probe: &mut P| {
+            let index = self.items[item as usize];
+            if index >= count {
+                let wall = &self.walls[(index - count) as usize];
+                wall.meet(index, self, &line, &mut nearest);
+            } else {
+                let nearest = &mut nearest;
+                let walk = PrismWalk { mesh: self, index, ray: &line, nearest, probe };
+                match self.options.method {
+                    Method::Dda => walk::every_cell(walk),
+                    _ => simd::run(self.options.simd, walk),
+                };
+            }
+            (nearest.limit(), nearest.is_over())
+        };
+        if any {
+            self.tree.any(&line.as_ray(), probe, |item, _, probe| visit(item, probe).1);
+        } else {
+            self.tree.closest(&line.as_ray(), probe, |item, ray, probe| {
+                ray.t_max = visit(item, probe).0;
+            });
+        }
+        let candidate = nearest.found?;
+        let t = (line.t_start + candidate.t).min(ray.t_max);
+        Some(MeshCrossing { t, candidate })
+    }
+
+    /// Height over the level that a side of an edge shows.
+    fn height_over(&self, side: &Side, s: f64) -> f64 {
+        let heights = self.relief.heights();
+        let [a, b] = side.ends;
+        let mut cell = [0; 2];
+        let mut at = [0.0; 2];
+        for k in 0..2 {
+            let x = a[k] + s * (b[k] - a[k]);
+            let line = x.round();
+            // On a line between cells, the cell on the side's own side.
+            let on_line = (x - line).abs() <= 1e-9;
+            let first = if on_line && side.inside[k] < 0.0 {
+                line - 1.0
+            } else if on_line {
+                line
+            } else {
+                x.floor()
+            };
+            (cell[k], at[k]) = (first as i32, x - first);
+        }
+        let corners = heights.unfolded_corners(cell[0], cell[1]);
+        patch::Heights::new(corners, self.offsets.level).at(at[0], at[1])
+    }
+}
+
+/// Unfolded lattice coordinates of the corners of all triangles.
+fn lattice(
+    data: &MeshData,
+    relief: &Relief,
+    displacement: &Displacement,
+) -> Result<Vec<[[f64; 2]; 3]>, ReliefMeshError> {
+    let Displacement { tile, shift, .. } = displacement;
+    let axes = [relief.heights().x(), relief.heights().y()];
+    let mut all = Vec::with_capacity(data.triangles.len());
+    for (number, triangle) in (0..).zip(&data.triangles) {
+        let uvs = triangle.uvs.ok_or(ReliefMeshError::NoUv(number))?;
+        let corners = uvs.map(|uv| {
+            let uv = data.uvs[uv as usize].to_array();
+            [0, 1].map(|k| axes[k].coordinate(uv[k] * tile[k] + shift[k]))
+        });
+        let farthest = corners.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        if farthest.is_nan() || farthest > MAX_COORDINATE {
+            return Err(ReliefMeshError::TooManyCells { found: farthest });
+        }
+        all.push(corners);
+    }
+    Ok(all)
+}
+
+fn check_displacement(d: &Displacement) -> Result<(), ReliefMeshError> {
+    let refuse = |key, value, allowed| Err(ReliefMeshError::Displacement { key, value, allowed });
+    if !d.scale.is_finite() || d.scale == 0.0 {
+        return refuse("scale", d.scale, "finite and not 0");
+    }
+    if !d.zero.is_finite() {
+        return refuse("zero", d.zero, "finite");
+    }
+    for value in d.tile {
+        if !(value.is_finite() && value > 0.0) {
+            return refuse("tile", value, "finite and above 0");
+        }
+    }
+    for value in d.shift {
+        if !value.is_finite() {
+            return refuse("shift", value, "finite");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! Methods `pyramid` and `dda`: which cells under a prism are shown to the leaf.
+//!
+//! **Pyramid.** A prism is entered by a straight line in lattice coordinates with an error (see
+//! `frame`): the parameters at which the line is between the lowest and highest height of the prism
+//! and inside of its three sides, all widened by the error. What is left is walked through the
+//! 4 x 4 pyramid of the map, node by node: sixteen children at once are cut by their borders and
+//! bounds, widened (`square`). Where the error is larger than 0.4 of a child, a new frame is made about
+//! the node: the error falls with the size of the node times its range of heights. In a block of
+//! 4 x 4 cells, cells are left out whose surface the line cannot touch (`square::Square::cells`).
+//!
+//! **Why it misses nothing.** A root that the leaf reports lies within [`MARGIN`] of its cell and its triangle,
+//! and its height within the bounds of the cell to four margins of the map's range. In every frame that
+//! is good for a region with that root the line is, at the root's parameter, within the
+//! error of it. So each test is a necessary condition on one and the same parameter, and spans
+//! found in one frame may be cut by another. Only the leaf decides, and its answer for a cell
+//! depends on ray, prism and cell alone; of all answers the nearest counts, of equal ones the
+//! first by prism and cell. What is left out begins later than the nearest so far by more than
+//! parameters are off (`Prism::t_slack`). So both methods agree bit for bit.
+//!
+//! **Dda** shows every cell under every prism whose box the ray meets to the leaf: the referee. It
+//! is slow by nature, and shares no bound with the pyramid.
+
+mod cells;
+mod descent;
+mod forward;
+mod square;
+
+use crate::map::{Axis, Run};
+use crate::probe::Probe;
+use crate::simd::{Kernel, Lanes};
+
+use super::ReliefMesh;
+use super::footprint::MARGIN;
+use super::frame::{Path, keep};
+use super::line::MeshRay;
+use super::nearest::Nearest;
+use super::prism::{Prism, Shape};
+use cells::Cells;
+use descent::Descent;
+
+/// One ray through one prism; says whether the search is over.
+pub(super) struct PrismWalk<'a, P> {
+    pub mesh: &'a ReliefMesh,
+    pub index: u32,
+    pub ray: &'a MeshRay,
+    pub nearest: &'a mut Nearest,
+    pub probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for PrismWalk<'_, P> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let Self { mesh, index, ray, nearest, probe } = self;
+        let prism = &mesh.prisms[index as usize];
+        let mut cells = Cells { mesh, index, prism, ray, seen: None, nearest, probe };
+        if prism.shape == Shape::Thread {
+            return cells.all();
+        }
+        let mut span = [0.0, cells.limit()];
+        let path = prism.frame.path(ray.origin, ray.direction);
+        if !prism.frame.is_blind() {
+            span = clip(&path, span, prism, mesh.height_slack);
+            if span[0] > span[1] {
+                return false;
+            }
+        }
+        let footprint = prism.footprint();
+        let [x, y] = footprint.cells();
+        let (blind, heights) = (prism.frame.is_blind(), mesh.relief.heights());
+        let sheet = prism.sheet(&mesh.vertices);
+        let mut descent =
+            Descent { cells, footprint, sheet, frames: Vec::new(), waiting: Vec::new() };
+        for run_x in runs(heights.x(), shown(&path, 0, span, x, blind)) {
+            let ends = [f64::from(run_x.start), f64::from(run_x.end())];
+            let span = if blind { span } else { path.within(span, 0, ends) };
+            if span[0] > span[1] {
+                continue;
+            }
+            for run_y in runs(heights.y(), shown(&path, 1, span, y, blind)) {
+                let ends = [f64::from(run_y.start), f64::from(run_y.end())];
+                let span = if blind { span } else { path.within(span, 1, ends) };
+                if span[0] <= span[1] && descent.tile::<L>([&run_x, &run_y], [x, y], (&path, span))
+                {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Every cell under one prism; says whether the search is over.
+pub(super) fn every_cell<P: Probe>(walk: PrismWalk<'_, P>) -> bool {
+    let PrismWalk { mesh, index, ray, nearest, probe } = walk;
+    let prism = &mesh.prisms[index as usize];
+    Cells { mesh, index, prism, ray, seen: None, nearest, probe }.all()
+}
+
+/// The span of a path inside of a prism, widened.
+#[inline(always)]
+fn clip(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 2] {
+    let [low, high] = prism.range;
+    let mut span = path.within(span, 2, [low - height_slack, high + height_slack]);
+    let [g, h] = prism.weights;
+    let (dx, dy) = (path.start.x - prism.lattice[0][0], path.start.y - prism.lattice[0][1]);
+    let sides = [g, h, [-g[0] - h[0], -g[1] - h[1]]];
+    for (k, [nx, ny]) in sides.into_iter().enumerate() {
+        let start = nx * dx + ny * dy + if k == 2 { 1.0 } else { 0.0 };
+        let speed = nx * path.speed.x + ny * path.speed.y;
+        let room = nx.abs() * path.error.x + ny.abs() * path.error.y;
+        let slack = (nx.abs() + ny.abs()) * MARGIN + 1e-12 * prism.condition;
+        span = keep(span, start, speed, -room - slack);
+    }
+    span
+}
+
+/// The cells of a range that a path may touch within a span.
+#[inline(always)]
+fn shown(
+    path: &Path,
+    axis: usize,
+    span: [f64; 2],
+    [first, end]: [i32; 2],
+    blind: bool,
+) -> [i32; 2] {
+    if blind {
+        return [first, end];
+    }
+    let (a, b) = (path.at(span[0])[axis], path.at(span[1])[axis]);
+    let room = path.error[axis] + MARGIN;
+    // Casts saturate.
+    let (low, high) = ((a.min(b) - room).floor() as i32, (a.max(b) + room).floor() as i32);
+    [first.max(low), end.min(high.saturating_add(1))]
+}
+
+/// The runs that cover a range of unfolded cells, cut to it.
+#[inline(always)]
+fn runs(axis: &Axis, [first, end]: [i32; 2]) -> impl Iterator<Item = Run> {
+    let mut at = first;
+    std::iter::from_fn(move || {
+        if at >= end {
+            return None;
+        }
+        let run = axis.run(at);
+        at = run.end();
+        Some(run)
+    })
+}

@@ -1,0 +1,288 @@
+//! Displaced meshes: all methods agree bit for bit, and a closed mesh stays closed.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use rilievo::Ray;
+use rilievo::map::{HeightMap, Lattice, Wrap};
+use rilievo::mesh::Mesh;
+use rilievo::relief::{Displacement, Edges, MeshOptions, Method, Relief, ReliefMesh};
+use rilievo_tests::maps::Shape;
+use rilievo_tests::mesh_oracle::{Closing, MeshOracle};
+use rilievo_tests::meshes::Base;
+use rilievo_tests::nudge;
+use rilievo_tests::random::Random;
+
+/// A base with a map on it, of a thickness as a share of its size.
+struct Case {
+    name: &'static str,
+    base: Base,
+    map: HeightMap,
+    thickness: f64,
+    zero: f64,
+    edges: Edges,
+    tile: [f64; 2],
+}
+
+impl Case {
+    fn mesh(&self, method: Method, place: DAffine3) -> ReliefMesh {
+        let mesh = self.base.placed(place);
+        let scale = self.thickness * size(&mesh);
+        let displacement =
+            Displacement { scale, zero: self.zero, tile: self.tile, shift: [0.1, -0.3] };
+        let options = MeshOptions {
+            displacement,
+            method,
+            edges: self.edges,
+            closed: true,
+            ..MeshOptions::default()
+        };
+        ReliefMesh::new(&mesh, Arc::new(Relief::new(self.map.clone())), options).expect(self.name)
+    }
+}
+
+/// The diagonal of a mesh's box.
+fn size(mesh: &Mesh) -> f64 {
+    let bounds = mesh.bounds();
+    (bounds.max - bounds.min).length()
+}
+
+fn cases() -> Vec<Case> {
+    let texel = |shape: Shape, size, wrap| shape.codes(size, Lattice::Texel, wrap);
+    let case = |name, base, map, thickness| Case {
+        name,
+        base,
+        map,
+        thickness,
+        zero: 0.5,
+        edges: Edges::Shared,
+        tile: [1.0, 1.0],
+    };
+    vec![
+        case("torus", Base::Torus(12, 8), texel(Shape::Fbm(1), [48, 32], Wrap::Repeat), 0.03),
+        case("thin", Base::Torus(12, 8), texel(Shape::White(2), [48, 32], Wrap::Repeat), 0.001),
+        case("thick", Base::Torus(9, 6), texel(Shape::Fbm(3), [40, 24], Wrap::Repeat), 0.3),
+        Case {
+            zero: 2.0,
+            ..case("inward", Base::Icosphere(2), texel(Shape::Fbm(4), [33, 17], Wrap::Clamp), 0.02)
+        },
+        case("sphere", Base::Icosphere(1), texel(Shape::White(5), [31, 18], Wrap::Mirror), 0.05),
+        case(
+            "cube",
+            Base::Cube,
+            Shape::Studs(4).floats([20, 13], Lattice::Vertex, Wrap::Mirror),
+            0.05,
+        ),
+        Case {
+            edges: Edges::AsAuthored,
+            ..case("authored", Base::Cube, texel(Shape::Fbm(6), [20, 13], Wrap::Repeat), 0.1)
+        },
+        case("folded", Base::Folded(7), texel(Shape::Fbm(8), [16, 12], Wrap::Repeat), 0.05),
+        case("trough", Base::Trough, texel(Shape::Ripple, [24, 40], Wrap::Repeat), 0.05),
+        Case {
+            tile: [5.0, 7.0],
+            ..case("quad", Base::Quad, texel(Shape::White(9), [5, 4], Wrap::Repeat), 0.04)
+        },
+        case("coarse", Base::Torus(20, 14), texel(Shape::White(10), [4, 3], Wrap::Repeat), 0.05),
+        case("flat", Base::Icosphere(1), texel(Shape::Flat(0.7), [9, 9], Wrap::Repeat), 0.05),
+    ]
+}
+
+fn places() -> [DAffine3; 4] {
+    let far = DVec3::new(148376.0, 1234.0, -223423.0);
+    let turn = DAffine3::from_rotation_x(0.7) * DAffine3::from_rotation_z(-0.4);
+    [
+        DAffine3::IDENTITY,
+        DAffine3::from_translation(far) * turn,
+        DAffine3::from_translation(far) * DAffine3::from_scale(DVec3::splat(1e-3)),
+        DAffine3::from_scale(DVec3::splat(1e6)) * turn,
+    ]
+}
+
+fn rays(default: u64) -> u64 {
+    std::env::var("RILIEVO_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(default)
+}
+
+/// A ray from around or inside the mesh towards it.
+fn ray(mesh: &ReliefMesh, random: &mut Random) -> Ray {
+    let bounds = mesh.bounds();
+    let (centre, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
+    let inside = |random: &mut Random, far: f64| {
+        centre + half * far * DVec3::from_array([(); 3].map(|()| random.range(-1.0, 1.0)))
+    };
+    let origin = match random.integer(0, 3) {
+        0 => centre + 3.0 * half.length() * random.direction(),
+        1 => inside(random, 1.5),
+        _ => inside(random, 1.0),
+    };
+    let mut ray = Ray::between(origin, inside(random, 0.9));
+    ray.t_max = if random.one_in(4) { random.unit() } else { f64::INFINITY };
+    ray
+}
+
+#[test]
+fn pyramid_equals_every_cell_bit_for_bit() {
+    for case in cases() {
+        for place in places() {
+            let [all, pyramid] = [Method::Dda, Method::Pyramid].map(|m| case.mesh(m, place));
+            let (mut hits, mut wrong) = (0, Vec::new());
+            let answers: Vec<_> = (0..rays(400))
+                .into_par_iter()
+                .map(|k| {
+                    let mut random = Random::new(&[31, k]);
+                    let mut ray = ray(&all, &mut random);
+                    let expected = all.closest(&ray, &mut ());
+                    if let (true, Some(hit)) = (random.one_in(2), expected) {
+                        ray = hit.spawn(random.direction() * size_of(&all));
+                        return (ray, all.closest(&ray, &mut ()));
+                    }
+                    (ray, expected)
+                })
+                .collect();
+            for (ray, expected) in answers {
+                let found = pyramid.closest(&ray, &mut ());
+                hits += u64::from(expected.is_some());
+                if found != expected || pyramid.occludes(&ray, &mut ()) != expected.is_some() {
+                    wrong.push((ray, expected, found));
+                }
+            }
+            let count = wrong.len();
+            assert!(hits * 10 > rays(400), "{}: {hits} hits", case.name);
+            assert!(wrong.is_empty(), "{}: {count} wrong, first {:#?}", case.name, wrong[0]);
+        }
+    }
+}
+
+fn size_of(mesh: &ReliefMesh) -> f64 {
+    let bounds = mesh.bounds();
+    (bounds.max - bounds.min).length()
+}
+
+/// Whether an answer is the oracle's, to rounding.
+fn agrees(expected: Option<f64>, found: Option<f64>, near: f64) -> bool {
+    match (expected, found) {
+        (Some(a), Some(b)) => (a - b).abs() <= near,
+        (None, None) => true,
+        _ => false,
+    }
+}
+
+#[test]
+fn every_answer_is_the_oracles() {
+    for case in cases() {
+        let place = DAffine3::from_rotation_x(0.2) * DAffine3::from_translation(DVec3::splat(3.0));
+        let mesh = case.mesh(Method::Pyramid, place);
+        let base = case.base.placed(place);
+        let closing = match case.edges {
+            Edges::Shared => Closing::Walls,
+            Edges::AsAuthored => Closing::Authored,
+        };
+        let displacement = mesh.options().displacement;
+        let oracle = MeshOracle::new(&base, &case.map, displacement, closing);
+        let near = 1e-9 * size_of(&mesh);
+        let faults: Vec<_> = (0..rays(400))
+            .into_par_iter()
+            .filter_map(|k| {
+                let mut ray = ray(&mesh, &mut Random::new(&[32, k]));
+                ray.t_max = f64::INFINITY;
+                let found = mesh.closest(&ray, &mut ());
+                let expected = oracle.first(&ray);
+                let t = found.map(|hit| hit.t);
+                let near = near / ray.direction.length();
+                if agrees(expected, t, near) {
+                    return None;
+                }
+                let answer = found.map(|hit| hit.position - ray.origin);
+                let normal = found.map_or(DVec3::Z, |hit| hit.geometric_normal);
+                let excused = nudge::nudged(ray.direction, answer, normal).any(|direction| {
+                    agrees(oracle.first(&Ray { direction, ..ray }), t, 1e4 * near)
+                });
+                Some((excused, ray, expected, found))
+            })
+            .collect();
+        let excused = faults.iter().filter(|fault| fault.0).count();
+        let wrong: Vec<_> = faults.iter().filter(|fault| !fault.0).collect();
+        let count = wrong.len();
+        assert!(wrong.is_empty(), "{}: {count} wrong, first {:#?}", case.name, wrong[0]);
+        assert!(excused as u64 * 200 <= rays(400), "{}: {excused} excused", case.name);
+    }
+}
+
+#[test]
+fn nothing_escapes_from_inside_of_a_closed_mesh() {
+    for case in cases() {
+        if !case.base.is_closed() || case.edges == Edges::AsAuthored {
+            continue;
+        }
+        for place in places() {
+            let mesh = case.mesh(Method::Pyramid, place);
+            let base = case.base.placed(place);
+            let oracle =
+                MeshOracle::new(&base, &case.map, mesh.options().displacement, Closing::Walls);
+            let bounds = mesh.bounds();
+            let size = size_of(&mesh);
+            let within = |random: &mut Random| {
+                let at = DVec3::from_array([(); 3].map(|()| random.unit()));
+                bounds.min + at * (bounds.max - bounds.min)
+            };
+            let inside = |point: DVec3, random: &mut Random| {
+                (0..3).all(|_| {
+                    let t = oracle.crossings(&Ray::new(point, size * random.direction()));
+                    t.iter().filter(|&&t| t >= 0.0).count() % 2 == 1
+                })
+            };
+            let mut random = Random::new(&[33]);
+            let mut origins = Vec::new();
+            for _ in 0..2000 {
+                let point = within(&mut random);
+                if origins.len() < 20 && inside(point, &mut random) {
+                    origins.push(point);
+                }
+            }
+            assert!(origins.len() >= 10, "{}: {} origins inside", case.name, origins.len());
+            let leaks: Vec<_> = (0..rays(2000))
+                .into_par_iter()
+                .filter_map(|k| {
+                    let mut random = Random::new(&[34, k]);
+                    let origin = origins[k as usize % origins.len()];
+                    let direction = match random.integer(0, 2) {
+                        0 => size * random.direction(),
+                        // At a vertex or a point of an edge, displaced somewhere.
+                        _ => target(&mesh, &mut random) - origin,
+                    };
+                    let ray = Ray::new(origin, direction);
+                    let Some(hit) = mesh.closest(&ray, &mut ()) else { return Some((ray, 0)) };
+                    // On along the same line to the end: left once more than entered.
+                    let mut crossed = vec![hit.front];
+                    let mut next = mesh.closest(&hit.spawn(direction), &mut ());
+                    while let Some(hit) = next
+                        && crossed.len() < 1000
+                    {
+                        crossed.push(hit.front);
+                        next = mesh.closest(&hit.spawn(direction), &mut ());
+                    }
+                    let back = hit.spawn(origin - hit.position);
+                    let returns = !mesh.occludes(&Ray { t_max: 0.999_999, ..back }, &mut ());
+                    (crossed.len() % 2 == 0 || !returns).then_some((ray, crossed.len()))
+                })
+                .collect();
+            let count = leaks.len();
+            let escaped = leaks.iter().filter(|leak| leak.1 == 0).count();
+            assert_eq!(escaped, 0, "{}: {:?}", case.name, leaks[0]);
+            // Where the surface folds over itself a spawned ray may start in a fold thinner than its lift.
+            let most = if mesh.report().folded.is_empty() { 0 } else { rays(2000) as usize / 500 };
+            assert!(count <= most, "{}: {count} do not alternate, {:?}", case.name, leaks[0]);
+        }
+    }
+}
+
+/// A point of an edge of the base, displaced by any height.
+fn target(mesh: &ReliefMesh, random: &mut Random) -> DVec3 {
+    let data = mesh.data();
+    let triangle = &data.triangles[random.integer(0, data.triangles.len() as i32 - 1) as usize];
+    let [a, b, c] = triangle.positions.map(|p| data.positions[p as usize]);
+    let normal = (b - a).cross(c - a).normalize();
+    let s = if random.one_in(3) { 0.0 } else { random.unit() };
+    a.lerp(b, s) + random.range(-0.5, 0.5) * mesh.options().displacement.scale * normal
+}
