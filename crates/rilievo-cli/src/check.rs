@@ -1,5 +1,7 @@
 //! `rilievo check`: a scene with all its files, or a baked map against its height map.
 
+use std::collections::BTreeSet;
+
 use rilievo::map::{
     DistanceMap, HeightMap, Level, NormalConvention, NormalKind, NormalMap, Pyramid,
 };
@@ -73,12 +75,15 @@ fn scene(args: &CheckArgs) -> Result<Outcome, Failure> {
         }
     }
     let (scene, files) = (&loaded.scene, files.len());
+    let of_quads = loaded.maps.iter().map(|map| map.name.clone());
+    let of_spheres = loaded.sphere_maps.iter().map(|map| map.name.clone());
+    let maps: BTreeSet<_> = of_quads.chain(of_spheres).collect();
     let report = SceneReport {
         valid: true,
         surfaces: scene.world().surfaces().len(),
         materials: scene.materials().len(),
         lights: scene.lights().len(),
-        maps: loaded.maps.iter().map(|map| map.name.clone()).collect(),
+        maps: maps.into_iter().collect(),
         files,
     };
     args.talk.line(format_args!(

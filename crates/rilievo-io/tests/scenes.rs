@@ -146,6 +146,35 @@ fn every_key_arrives() {
 }
 
 #[test]
+fn displaced_spheres_share_their_map_with_quads() {
+    let path = root().join("tests/scenes/valid/displaced_spheres.toml");
+    let file = SceneFile::read(&path, &Limits::default()).unwrap();
+    assert!(file.references().iter().all(|path| path.exists()) && file.references().len() == 1);
+    let options = LoadOptions { resampling_error: true, ..LoadOptions::default() };
+    let loaded = file.load(&options).unwrap();
+    let surfaces = loaded.scene.world().surfaces();
+    let [Surface::ReliefSphere(first), Surface::ReliefSphere(second), Surface::Face(_)] = surfaces
+    else {
+        panic!("{surfaces:?}");
+    };
+    assert_eq!((first.center(), first.radius()), (DVec3::new(1.0, 2.0, 3.0), 2.0));
+    let options = first.options();
+    let d = options.displacement;
+    assert_eq!((d.scale, d.zero, options.method), (0.5, 0.25, Method::Dda));
+    assert!(matches!(options.normals, ShadingNormals::Exact));
+    assert_eq!((second.options().method, second.radius()), (Method::Pyramid, 1.0));
+    assert!(matches!(second.options().normals, ShadingNormals::Map(_)));
+    assert!(std::sync::Arc::ptr_eq(first.relief(), second.relief()));
+    let [noise] = &loaded.sphere_maps[..] else { panic!("{:?}", loaded.sphere_maps) };
+    assert_eq!((noise.name.as_str(), noise.size, noise.relief.cells()), ("noise", [9, 7], 4));
+    assert!(noise.error.is_some_and(|error| 0.0 < error.rms && error.rms < error.max));
+    assert_eq!(loaded.maps.len(), 1);
+    let least = Limits { max_bytes: 500 };
+    let error = file.load(&LoadOptions { limits: least, ..LoadOptions::default() }).unwrap_err();
+    assert!(matches!(error, Error::Limit { what, .. } if what == "the map of a sphere"));
+}
+
+#[test]
 fn what_is_not_said_has_the_documented_default() {
     let loaded = load(&root().join("tests/scenes/valid/least.toml")).unwrap();
     assert_eq!(*loaded.scene.settings(), RenderSettings::default());

@@ -15,6 +15,8 @@ const SCENES: &[(&str, &str, &str)] = &[
     ("facade", "facade/Facade001_1K_Displacement.png", "384x384"),
     ("jacksboro", "jacksboro/jacksboro_metres_u16.png", "384x384"),
     ("canyon", "canyon/Canyon-Height.jpg", "384x384"),
+    ("moon", "moon/WAC_GLD100_E000N1800_004P.png", "384x384"),
+    ("earth", "earth/etopo20_metres_f32.exr", "384x384"),
 ];
 
 pub fn draw(studio: &Studio<'_>) -> Result<(), String> {

@@ -2,7 +2,7 @@
 
 use rilievo::relief::Relief;
 use rilievo::surface::Surface;
-use rilievo_io::scene::{LoadOptions, LoadedMap, LoadedScene};
+use rilievo_io::scene::{LoadOptions, LoadedMap, LoadedScene, LoadedSphereMap};
 use rilievo_render::{MemoryUse, RenderOptions, Scene};
 use serde::Serialize;
 
@@ -27,6 +27,7 @@ struct Report {
     triangles: usize,
     lights: usize,
     maps: Vec<MapReport>,
+    sphere_maps: Vec<SphereMapReport>,
     map_bytes: u64,
     bounds_bytes: u64,
     film_bytes: u64,
@@ -61,20 +62,57 @@ impl From<&LoadedMap> for MapReport {
     }
 }
 
+/// A map resampled to the six faces around a sphere.
+#[derive(Serialize)]
+struct SphereMapReport {
+    name: String,
+    width: u32,
+    height: u32,
+    /// Cells along a side of a face.
+    cells: u32,
+    range: [f64; 2],
+    /// Largest and root mean square difference from the map, in heights.
+    error_max: f64,
+    error_rms: f64,
+    map_bytes: u64,
+    bounds_bytes: u64,
+}
+
+impl From<&LoadedSphereMap> for SphereMapReport {
+    fn from(map: &LoadedSphereMap) -> Self {
+        let (map_bytes, bounds_bytes) = map.relief.bytes();
+        let (low, high) = map.relief.raw_range();
+        let error = map.error.unwrap_or_default();
+        Self {
+            name: map.name.clone(),
+            width: map.size[0],
+            height: map.size[1],
+            cells: map.relief.cells(),
+            range: [low, high].map(|raw| f64::from(raw) * map.relief.unit()),
+            error_max: error.max,
+            error_rms: error.rms,
+            map_bytes,
+            bounds_bytes,
+        }
+    }
+}
+
 pub fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let options = LoadOptions { layout: args.layout, ..LoadOptions::default() };
-    let LoadedScene { mut scene, maps, .. } = job::load(&args.file, &options, args.talk)?;
+    let options =
+        LoadOptions { layout: args.layout, resampling_error: true, ..LoadOptions::default() };
+    let LoadedScene { mut scene, maps, sphere_maps, .. } =
+        job::load(&args.file, &options, args.talk)?;
     if let Some(resolution) = args.resolution {
         let camera = scene.camera().with_resolution(resolution).map_err(Failure::refused)?;
         scene = scene.with_camera(camera);
     }
-    let report = Report::new(&scene, &maps);
+    let report = Report::new(&scene, &maps, &sphere_maps);
     report.tell(args);
     args.talk.object(&report)
 }
 
 impl Report {
-    fn new(scene: &Scene, maps: &[LoadedMap]) -> Self {
+    fn new(scene: &Scene, maps: &[LoadedMap], sphere_maps: &[LoadedSphereMap]) -> Self {
         let memory = MemoryUse::predict(scene, &RenderOptions::default());
         let resolution = scene.camera().resolution();
         let mut report = Self {
@@ -89,6 +127,7 @@ impl Report {
             triangles: 0,
             lights: scene.lights().len(),
             maps: maps.iter().map(MapReport::from).collect(),
+            sphere_maps: sphere_maps.iter().map(SphereMapReport::from).collect(),
             map_bytes: memory.heights + memory.textures,
             bounds_bytes: memory.bounds,
             film_bytes: memory.film,
@@ -136,6 +175,23 @@ impl Report {
                 report::bytes(map.map_bytes),
                 report::bytes(map.bounds_bytes),
                 map.layout
+            ));
+        }
+        for map in &self.sphere_maps {
+            talk.line(format_args!(
+                "sphere map  {:?}: {} x {} samples on 6 faces of {} x {} cells, heights {:.6} to {:.6}, {}, \
+                 bounds {}; off by {:.2e} rms, {:.2e} at most",
+                map.name,
+                map.width,
+                map.height,
+                map.cells,
+                map.cells,
+                map.range[0],
+                map.range[1],
+                report::bytes(map.map_bytes),
+                report::bytes(map.bounds_bytes),
+                map.error_rms,
+                map.error_max
             ));
         }
         talk.line(format_args!(

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric};
-use rilievo::relief::{Method, Relief};
+use rilievo::map::{
+    CubeHeights, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric, ResamplingError,
+};
+use rilievo::relief::{CubeRelief, Method, Relief};
 
 use super::file::{MapEntry, MapSource, SceneFile};
 use super::options::{DistanceBuild, LoadOptions};
@@ -42,6 +44,31 @@ impl Needs {
             self.kinds.push((kind, face));
         }
     }
+}
+
+/// Reads or makes the map of `entry` and lays it on the faces around a sphere; also measures by how
+/// much that changes it, if asked.
+pub(super) fn load_cube(
+    file: &SceneFile,
+    entry: &MapEntry,
+    options: &LoadOptions<'_>,
+) -> Result<(Arc<CubeRelief>, [u32; 2], Option<ResamplingError>)> {
+    let limits = &options.limits;
+    let map = heights(file, entry, limits)?;
+    let place = Place::Text(crate::Excerpt::new(&file.text, entry.at.clone()));
+    limits.check(
+        &file.path,
+        place,
+        "the map of a sphere",
+        &[CubeHeights::predicted_bytes(&map)],
+    )?;
+    let cube = CubeHeights::resample(&map)
+        .map_err(|e| fault(file, &entry.at, "map", e.to_string(), "a map of fewer samples"))?;
+    let error = options.resampling_error.then(|| cube.resampling_error(&map));
+    let size = [map.width(), map.height()];
+    drop(map);
+    let layout = options.layout.unwrap_or(entry.layout);
+    Ok((Arc::new(CubeRelief::with_layout(cube, layout)), size, error))
 }
 
 /// Reads or makes the map `name` and what it needs.

@@ -31,4 +31,4 @@ mod syntax;
 
 pub use file::SceneFile;
 pub use options::{DistanceBuild, LoadOptions};
-pub use resolve::{LoadedMap, LoadedScene};
+pub use resolve::{LoadedMap, LoadedScene, LoadedSphereMap};

@@ -17,6 +17,8 @@ pub struct LoadOptions<'a> {
     pub layout: Option<Layout>,
     /// Vector instructions of the walk.
     pub simd: SimdLevel,
+    /// Measures how far the maps of spheres are off after resampling; takes about as long as that.
+    pub resampling_error: bool,
     /// Told of every distance map before it is built: that may take a while.
     pub building: &'a dyn Fn(&DistanceBuild<'_>),
 }
@@ -30,6 +32,7 @@ impl Default for LoadOptions<'_> {
             method: None,
             layout: None,
             simd: SimdLevel::detect(),
+            resampling_error: false,
             building: &|_| {},
         }
     }

@@ -5,15 +5,18 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rilievo::map::NormalConvention;
-use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
+use rilievo::map::{Lattice, NormalConvention, ResamplingError, Wrap};
+use rilievo::relief::{
+    CubeRelief, FaceError, FaceOptions, Method, Relief, ReliefFace, ReliefSphere,
+    ReliefSphereError, ShadingNormals, SphereOptions,
+};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
 
 use super::file::{
-    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape,
+    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape, SphereEntry,
 };
 use super::load_map::{self, Face, Needs};
 use super::options::LoadOptions;
@@ -26,8 +29,10 @@ use crate::image::{NormalOptions, read_colour};
 pub struct LoadedScene {
     /// The scene.
     pub scene: Scene,
-    /// The maps its shapes use, by name.
+    /// The maps its quads use, by name.
     pub maps: Vec<LoadedMap>,
+    /// The maps its spheres use, by name.
+    pub sphere_maps: Vec<LoadedSphereMap>,
     /// How its picture is to be shown.
     pub tone_map: ToneMap,
     /// What was found in texture sets and assumed of them, what models hold that is not used: a
@@ -42,6 +47,19 @@ pub struct LoadedMap {
     pub name: String,
     /// Heights, pyramid and distance maps, shared by the shapes.
     pub relief: Arc<Relief>,
+}
+
+/// A map of a scene, resampled for spheres.
+#[derive(Clone, Debug)]
+pub struct LoadedSphereMap {
+    /// Its name in the scene.
+    pub name: String,
+    /// Samples of the map itself, along u and v.
+    pub size: [u32; 2],
+    /// Heights and pyramids, shared by the spheres.
+    pub relief: Arc<CubeRelief>,
+    /// How far these heights are off the map's, if [`LoadOptions::resampling_error`] asks.
+    pub error: Option<ResamplingError>,
 }
 
 impl SceneFile {
@@ -67,6 +85,7 @@ impl SceneFile {
             file: self,
             options,
             maps: HashMap::new(),
+            sphere_maps: HashMap::new(),
             images: HashMap::new(),
             notes: Vec::new(),
         };
@@ -114,7 +133,10 @@ impl SceneFile {
             .map(|(name, relief)| LoadedMap { name: name.to_owned(), relief })
             .collect();
         maps.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(LoadedScene { scene, maps, tone_map: self.render.tone_map, notes: loader.notes })
+        let mut sphere_maps: Vec<_> = loader.sphere_maps.into_values().collect();
+        sphere_maps.sort_by(|a, b| a.name.cmp(&b.name));
+        let tone_map = self.render.tone_map;
+        Ok(LoadedScene { scene, maps, sphere_maps, tone_map, notes: loader.notes })
     }
 
     fn load_camera(&self) -> Result<Camera> {
@@ -183,23 +205,28 @@ pub(super) struct Loader<'a> {
     pub(super) file: &'a SceneFile,
     pub(super) options: &'a LoadOptions<'a>,
     maps: HashMap<&'a str, Arc<Relief>>,
+    sphere_maps: HashMap<&'a str, LoadedSphereMap>,
     pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
     /// What was not as files say, a line each.
     pub(super) notes: Vec<String>,
 }
 
 impl<'a> Loader<'a> {
-    fn method(&self, quad: &QuadEntry) -> Method {
-        self.options.method.or(quad.method).unwrap_or(self.file.render.method)
+    /// The method of a shape that asks for its `own`.
+    fn method(&self, own: Option<Method>) -> Method {
+        self.options.method.or(own).unwrap_or(self.file.render.method)
     }
 
     /// Loads every map that a shape uses.
     fn load_maps(&mut self) -> Result<()> {
         let mut needs: Vec<(usize, Needs)> = Vec::new();
         for shape in &self.file.shapes {
-            let Shape::Quad(quad) = &shape.shape else { continue };
-            let Some(entry) = &quad.displacement else { continue };
+            let Some(entry) = shape.shape.displacement() else { continue };
             let index = self.file.find(&entry.map, &self.file.maps, "map")?;
+            let Shape::Quad(quad) = &shape.shape else {
+                self.load_sphere_map(index)?;
+                continue;
+            };
             self.parallelogram(quad)?;
             let at = needs.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {
                 needs.push((index, Needs::default()));
@@ -208,12 +235,25 @@ impl<'a> Loader<'a> {
             let [c0, c1, _, c3] = quad.corners.value;
             let tile = entry.displacement.tile;
             let sides = [(c1 - c0).length() / tile[0], (c3 - c0).length() / tile[1]];
-            needs[at].1.add(self.method(quad), Face { sides, scale: entry.displacement.scale });
+            needs[at]
+                .1
+                .add(self.method(quad.method), Face { sides, scale: entry.displacement.scale });
         }
         for (index, needs) in needs {
             let (name, entry) = &self.file.maps[index];
             let relief = load_map::load(self.file, (&name.value, entry), &needs, self.options)?;
             self.maps.insert(&name.value, relief);
+        }
+        Ok(())
+    }
+
+    /// Loads a map for spheres, unless it is there.
+    fn load_sphere_map(&mut self, index: usize) -> Result<()> {
+        let (name, entry) = &self.file.maps[index];
+        if !self.sphere_maps.contains_key(name.value.as_str()) {
+            let (relief, size, error) = load_map::load_cube(self.file, entry, self.options)?;
+            let map = LoadedSphereMap { name: name.value.clone(), size, relief, error };
+            self.sphere_maps.insert(&name.value, map);
         }
         Ok(())
     }
@@ -247,13 +287,17 @@ impl<'a> Loader<'a> {
                 None => Ok(self.flat_quad(quad)?.into()),
                 Some(entry) => Ok(self.face(quad, entry)?.into()),
             },
-            Shape::Sphere { center, radius } => {
-                let sphere = Sphere::new(*center, radius.value).map_err(|e| {
-                    let allowed = "numbers up to 1e100, a radius from 1e-100".to_owned();
-                    self.file.invalid(&radius.at, "sphere", e.to_string(), allowed)
-                })?;
-                Ok(sphere.into())
-            }
+            Shape::Sphere(sphere) => match &sphere.displacement {
+                None => {
+                    let SphereEntry { center, radius, .. } = sphere;
+                    let sphere = Sphere::new(*center, radius.value).map_err(|e| {
+                        let allowed = "numbers up to 1e100, a radius from 1e-100".to_owned();
+                        self.file.invalid(&radius.at, "sphere", e.to_string(), allowed)
+                    })?;
+                    Ok(sphere.into())
+                }
+                Some(entry) => Ok(self.relief_sphere(sphere, entry)?.into()),
+            },
             Shape::Mesh { file, world_from_object } => {
                 let data = self.model(file)?.mesh;
                 Ok(self.placed(data, file, world_from_object.as_ref())?.into())
@@ -263,10 +307,11 @@ impl<'a> Loader<'a> {
 
     fn face(&self, quad: &QuadEntry, entry: &DisplacementEntry) -> Result<ReliefFace> {
         let relief = Arc::clone(&self.maps[entry.map.value.as_str()]);
+        let axis = relief.heights().x();
         let options = FaceOptions {
             displacement: entry.displacement,
-            method: self.method(quad),
-            normals: self.normals(&entry.normals, &relief)?,
+            method: self.method(quad.method),
+            normals: self.normals(&entry.normals, (axis.lattice(), axis.wrap()))?,
             closed: quad.closed,
             one_sided: quad.one_sided,
             simd: self.options.simd,
@@ -280,15 +325,40 @@ impl<'a> Loader<'a> {
         })
     }
 
-    fn normals(&self, normals: &Normals, relief: &Relief) -> Result<ShadingNormals> {
+    fn relief_sphere(
+        &self,
+        sphere: &SphereEntry,
+        entry: &DisplacementEntry,
+    ) -> Result<ReliefSphere> {
+        let name = entry.map.value.as_str();
+        let map = &self.file.maps[self.file.find(&entry.map, &self.file.maps, "map")?].1;
+        let options = SphereOptions {
+            displacement: entry.displacement,
+            method: self.method(sphere.method),
+            normals: self.normals(&entry.normals, (map.lattice, map.wrap))?,
+            simd: self.options.simd,
+        };
+        let relief = Arc::clone(&self.sphere_maps[name].relief);
+        ReliefSphere::new(sphere.center, sphere.radius.value, relief, options).map_err(|e| {
+            let at = match e {
+                ReliefSphereError::Center | ReliefSphereError::Radius(_) => &sphere.radius.at,
+                _ => &entry.at,
+            };
+            self.file.invalid(at, "displacement", e.to_string(), String::new())
+        })
+    }
+
+    fn normals(
+        &self,
+        normals: &Normals,
+        (lattice, wrap): (Lattice, Wrap),
+    ) -> Result<ShadingNormals> {
         Ok(match normals {
             Normals::Exact => ShadingNormals::Exact,
             Normals::Smooth => ShadingNormals::Smooth,
             Normals::Published => ShadingNormals::Published,
             Normals::WrongMetric => ShadingNormals::WrongMetric,
             Normals::File { file, convention } => {
-                let x = relief.heights().x();
-                let (lattice, wrap) = (x.lattice(), x.wrap());
                 let convention = convention.unwrap_or(NormalConvention::OpenGl);
                 let options = NormalOptions { convention, lattice, wrap };
                 let map = options.read(&self.file.beside(&file.value), &self.options.limits);

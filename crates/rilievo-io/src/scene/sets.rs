@@ -236,7 +236,7 @@ fn map_width(shape: &Shape) -> Option<f64> {
             let [c0, c1, _, _] = quad.corners.value;
             Some((c1 - c0).length())
         }
-        Shape::Sphere { radius, .. } => Some(std::f64::consts::TAU * radius.value),
+        Shape::Sphere(sphere) => Some(std::f64::consts::TAU * sphere.radius.value),
         Shape::Mesh { .. } => None,
     }
 }

@@ -18,7 +18,7 @@ use crate::limits::Limits;
 
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
-pub(super) use shape::{DisplacementEntry, Normals, QuadEntry, Shape, ShapeEntry};
+pub(super) use shape::{DisplacementEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry};
 pub(super) use view::{CameraEntry, RenderEntry};
 
 /// A scene file, read and checked by itself.
@@ -122,11 +122,10 @@ impl SceneFile {
         });
         let shapes = self.shapes.iter().filter_map(|shape| match &shape.shape {
             Shape::Mesh { file, .. } => Some(file),
-            Shape::Quad(quad) => match &quad.displacement.as_ref()?.normals {
+            shape => match &shape.displacement()?.normals {
                 Normals::File { file, .. } => Some(file),
                 _ => None,
             },
-            Shape::Sphere { .. } => None,
         });
         maps.chain(baked).chain(textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
     }

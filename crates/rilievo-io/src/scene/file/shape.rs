@@ -11,7 +11,7 @@ use super::material::PAIR;
 use super::view::{POINT, method, point};
 use crate::error::Result;
 
-/// Which normals a displaced quad is shaded with.
+/// Which normals a displaced shape is shaded with.
 #[derive(Clone, Debug)]
 pub(in super::super) enum Normals {
     Exact,
@@ -48,11 +48,20 @@ pub(in super::super) struct QuadEntry {
     pub one_sided: bool,
 }
 
+/// A sphere.
+#[derive(Clone, Debug)]
+pub(in super::super) struct SphereEntry {
+    pub center: DVec3,
+    pub radius: Located<f64>,
+    pub displacement: Option<DisplacementEntry>,
+    pub method: Option<Method>,
+}
+
 /// A shape.
 #[derive(Clone, Debug)]
 pub(in super::super) enum Shape {
     Quad(QuadEntry),
-    Sphere { center: DVec3, radius: Located<f64> },
+    Sphere(SphereEntry),
     Mesh { file: Located<String>, world_from_object: Option<Located<DAffine3>> },
 }
 
@@ -68,7 +77,8 @@ impl Shape {
     pub fn displacement(&self) -> Option<&DisplacementEntry> {
         match self {
             Self::Quad(quad) => quad.displacement.as_ref(),
-            Self::Sphere { .. } | Self::Mesh { .. } => None,
+            Self::Sphere(sphere) => sphere.displacement.as_ref(),
+            Self::Mesh { .. } => None,
         }
     }
 
@@ -76,7 +86,8 @@ impl Shape {
     pub fn displacement_mut(&mut self) -> Option<&mut DisplacementEntry> {
         match self {
             Self::Quad(quad) => quad.displacement.as_mut(),
-            Self::Sphere { .. } | Self::Mesh { .. } => None,
+            Self::Sphere(sphere) => sphere.displacement.as_mut(),
+            Self::Mesh { .. } => None,
         }
     }
 }
@@ -96,7 +107,7 @@ impl ShapeEntry {
         let material = table.get("material").map(|v| v.name()).transpose()?;
         let shape = match kind {
             Kind::Quad => Shape::Quad(read_quad(table)?),
-            Kind::Sphere => read_sphere(table)?,
+            Kind::Sphere => Shape::Sphere(read_sphere(table)?),
             Kind::Mesh => read_mesh(table)?,
         };
         table.finish()?;
@@ -130,27 +141,28 @@ fn read_quad(table: &Table<'_>) -> Result<QuadEntry> {
     })
 }
 
-/// Refuses displacement where it is not there yet.
-fn flat(table: &Table<'_>, kind: &str) -> Result<()> {
-    match table.get("displacement") {
-        Some(value) => {
-            let found = format!("a displaced {kind} is not supported yet");
-            Err(value.unsupported(found, "displacement of a quad that is a parallelogram"))
-        }
-        None => Ok(()),
-    }
-}
-
-fn read_sphere(table: &Table<'_>) -> Result<Shape> {
-    flat(table, "sphere")?;
+fn read_sphere(table: &Table<'_>) -> Result<SphereEntry> {
     let center = point(&table.require("center")?)?;
     let radius = table.require("radius")?;
     let radius = radius.located(|v| v.number_in(f64::MIN_POSITIVE.., "a number above 0"))?;
-    Ok(Shape::Sphere { center, radius })
+    let (displacement, walked) = (table.get("displacement"), table.get("method"));
+    if let (None, Some(value)) = (&displacement, &walked) {
+        return Err(value.invalid("nothing: only a sphere with `displacement` has this key"));
+    }
+    Ok(SphereEntry {
+        center,
+        radius,
+        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
+        method: walked.map(|v| method(&v)).transpose()?,
+    })
 }
 
 fn read_mesh(table: &Table<'_>) -> Result<Shape> {
-    flat(table, "mesh")?;
+    if let Some(value) = table.get("displacement") {
+        let found = "a displaced mesh is not supported yet";
+        let allowed = "displacement of a sphere, or of a quad that is a parallelogram";
+        return Err(value.unsupported(found, allowed));
+    }
     let file = table.require("file")?.name()?;
     if let Some(value) = table.get("edges") {
         // Both mean the same until meshes are displaced.
