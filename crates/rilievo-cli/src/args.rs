@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file (TOML), the folder of a texture set, or a model (OBJ, PLY, glTF, GLB).
+    /// Scene file (TOML), the folder of a texture set, a model (OBJ, PLY, glTF, GLB) or a height map.
     pub scene: PathBuf,
     /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
     #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]
@@ -151,7 +151,7 @@ pub enum Bake {
 
 #[derive(Debug, Args)]
 pub struct BakeFiles {
-    /// Height map: PNG, TIFF, JPEG, EXR or PFM.
+    /// Height map: PNG, TIFF, JPEG, EXR, PFM, ASCII grid, .hgt or .bil.
     pub map: PathBuf,
     /// File to write.
     #[arg(short, long, value_name = "OUT")]
@@ -302,6 +302,7 @@ Examples:
   rilievo render scene.toml -o out.png
   rilievo render textures/rock058/ -o rock.png
   rilievo render spot.obj -o spot.png
+  rilievo render dem.tif -o terrain.png
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P

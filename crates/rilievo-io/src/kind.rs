@@ -44,7 +44,7 @@ impl FileKind {
 
     /// The kind of a file called `path` that begins with `head`.
     fn of_head(head: &[u8], path: &Path) -> Option<Self> {
-        if let Some(format) = ImageFormat::of(head) {
+        if let Some(format) = ImageFormat::of_file(head, path) {
             return Some(Self::Image(format));
         }
         if let Some(format) = MeshFormat::of(head, path) {

@@ -3,7 +3,9 @@
 use rilievo::map::{HeightStatistics, NormalAgreement, NormalConvention, Samples, Seam};
 use rilievo::relief::Relief;
 use rilievo_io::Limits;
-use rilievo_io::image::{HeightOptions, ImageInfo, NormalOptions, SampleKind, read_image_info};
+use rilievo_io::image::{
+    HeightOptions, ImageInfo, NormalOptions, SampleKind, Terrain, read_image_info,
+};
 use rilievo_render::{Film, MemoryUse};
 use serde::Serialize;
 
@@ -43,8 +45,29 @@ struct Report {
     map_bytes: u64,
     bounds_bytes: u64,
     predicted_bytes: u64,
+    /// Null for a file that does not say how large its cells are.
+    terrain: Option<TerrainReport>,
+    /// Samples without a measurement, filled with the lowest height.
+    voids: u64,
     /// How `--normals` agree; null without.
     agreement: Option<agreement::Report>,
+}
+
+#[derive(Serialize)]
+struct TerrainReport {
+    /// Metres from one sample to the next along u and v.
+    cell_metres: [f64; 2],
+    /// Metres of a unit of height, of codes of a code.
+    height_metres: f64,
+    /// Degrees, where cells are degrees.
+    latitude: Option<f64>,
+}
+
+impl From<Terrain> for TerrainReport {
+    fn from(terrain: Terrain) -> Self {
+        let Terrain { cell, metre, latitude } = terrain;
+        Self { cell_metres: cell, height_metres: metre, latitude }
+    }
 }
 
 #[derive(Serialize)]
@@ -75,7 +98,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let meaning = args.meaning;
     let options =
         HeightOptions { lattice: meaning.grid, wrap: meaning.wrap, invert: meaning.invert };
-    let heights = options.read(&args.file, &limits)?;
+    let (heights, voids) = options.read_with_voids(&args.file, &limits)?;
     let agreement = match &args.normals {
         Some(path) => {
             let convention = NormalConvention::OpenGl;
@@ -86,6 +109,8 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     };
     let relief = Relief::with_layout(heights, args.layout.unwrap_or_default());
     let mut report = Report::new(&info, &relief, args.resolution.unwrap_or(RESOLUTION));
+    report.terrain = Terrain::read(&args.file, &limits)?.map(TerrainReport::from);
+    report.voids = voids;
     report.agreement = agreement.map(agreement::Report::from);
     report.tell(args);
     args.talk.object(&report)
@@ -126,6 +151,8 @@ impl Report {
             map_bytes,
             bounds_bytes,
             predicted_bytes,
+            terrain: None,
+            voids: 0,
             agreement: None,
         }
     }
@@ -166,6 +193,20 @@ impl Report {
             report::bytes(self.bounds_bytes),
             report::bytes(self.predicted_bytes)
         ));
+        if let Some(terrain) = &self.terrain {
+            let [x, y] = terrain.cell_metres;
+            let degrees = match terrain.latitude {
+                Some(latitude) => format!(", degrees at latitude {latitude:.3}"),
+                None => String::new(),
+            };
+            talk.line(format_args!("terrain     cells of {x:.2} x {y:.2} m{degrees}"));
+        }
+        if self.voids > 0 {
+            talk.line(format_args!(
+                "voids       {} samples without a measurement, filled with the lowest height",
+                self.voids
+            ));
+        }
         if let Some(agreement) = &self.agreement {
             agreement.tell(talk);
         }

@@ -45,6 +45,7 @@ pub(super) fn decode(
         channels: channels.len() as u32,
         sample: SampleKind::F32,
         file_bits: channels.iter().map(bits).max().unwrap_or(0) as u32,
+        void: None,
     };
     context.check(&info)?;
     if sink.begin(&info)? == Flow::Stop {
@@ -78,6 +79,7 @@ pub(super) fn channels(context: Context<'_>, input: Box<dyn Input + '_>) -> Resu
         channels: wanted.len() as u32 * 2,
         sample: SampleKind::F32,
         file_bits: 32,
+        void: None,
     };
     context.check(&info)?;
     let count = wanted.len();

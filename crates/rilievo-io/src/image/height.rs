@@ -7,6 +7,7 @@
 //!   is their value exactly, so a grey map stored as RGB is read as what it is. No transfer curve is
 //!   undone: heights are not colours. Alpha is ignored.
 //! * `invert` turns `H` to `1 - H`.
+//! * Where a file says that nothing was measured, the lowest height that was stands instead.
 //!
 //! The last row of the file becomes row 0 (`v = 0`) on the way in; nothing is turned afterwards.
 
@@ -54,18 +55,34 @@ impl HeightOptions {
         self.decode_from(Source::from_bytes(bytes, name, limits))
     }
 
+    /// Reads a height map and counts the samples where nothing was measured.
+    ///
+    /// # Errors
+    /// As [`HeightOptions::read`].
+    pub fn read_with_voids(&self, path: &Path, limits: &Limits) -> Result<(HeightMap, u64)> {
+        self.decode_with_voids(Source::open(path, limits)?)
+    }
+
     fn decode_from(&self, source: Source<'_>) -> Result<HeightMap> {
+        self.decode_with_voids(source).map(|(map, _)| map)
+    }
+
+    fn decode_with_voids(&self, source: Source<'_>) -> Result<(HeightMap, u64)> {
         let context = source.context;
         let mut grid = Grid {
             context,
             invert: self.invert,
             shape: (0, 0, 1),
+            void: None,
+            bits: 0,
             samples: Samples::U16(Vec::new()),
         };
         decode(source, &mut grid)?;
         let (width, height, _) = grid.shape;
-        HeightMap::new(width, height, grid.samples, self.lattice, self.wrap)
-            .map_err(|e| refused(context, height, e))
+        let voids = grid.fill_voids()?;
+        let map = HeightMap::new(width, height, grid.samples, self.lattice, self.wrap)
+            .map_err(|e| refused(context, height, e))?;
+        Ok((map, voids))
     }
 }
 
@@ -99,10 +116,35 @@ struct Grid<'a> {
     invert: bool,
     /// Width, height and channels of the image.
     shape: (u32, u32, usize),
+    /// The sample of the file that is none.
+    void: Option<f32>,
+    /// Bits of a code in the file.
+    bits: u32,
     samples: Samples,
 }
 
 impl Grid<'_> {
+    /// Gives samples where nothing was measured the lowest height that was; their number.
+    fn fill_voids(&mut self) -> Result<u64> {
+        let Some(void) = self.void else { return Ok(0) };
+        let filled = match &mut self.samples {
+            Samples::U16(codes) => {
+                let wide = match self.bits {
+                    8 => void * 257.0,
+                    _ => void,
+                };
+                let void = if self.invert { 65535.0 - wide } else { wide };
+                fill(codes, |code| f32::from(*code) == void, |a, b| a < b)
+            }
+            Samples::F32(heights) => {
+                let void = if self.invert { 1.0 - void } else { void };
+                let is_void = |h: &f32| *h == void || (h.is_nan() && void.is_nan());
+                fill(heights, is_void, |a, b| a < b)
+            }
+        };
+        filled.ok_or_else(|| self.context.damaged("nothing but samples that stand for no height"))
+    }
+
     /// Where row `y` of the file goes.
     fn range(&self, y: u32) -> std::ops::Range<usize> {
         let (width, height, _) = self.shape;
@@ -114,6 +156,7 @@ impl Grid<'_> {
 impl Sink for Grid<'_> {
     fn begin(&mut self, info: &ImageInfo) -> Result<Flow> {
         self.shape = (info.width, info.height, info.channels as usize);
+        (self.void, self.bits) = (info.void, 8 * info.sample.bytes());
         let bytes = match info.sample {
             SampleKind::U8 | SampleKind::U16 => 2,
             SampleKind::F32 => 4,
@@ -174,6 +217,22 @@ impl Sink for Grid<'_> {
         }
         self.samples = Samples::F32(samples);
     }
+}
+
+/// Replaces what `is_void` by the lowest of the rest and counts it; none if there is no rest.
+fn fill<T: Copy>(
+    all: &mut [T],
+    is_void: impl Fn(&T) -> bool,
+    less: impl Fn(&T, &T) -> bool,
+) -> Option<u64> {
+    let rest = all.iter().filter(|value| !is_void(value)).copied();
+    let lowest = rest.reduce(|low, value| if less(&value, &low) { value } else { low })?;
+    let mut count = 0;
+    for value in all.iter_mut().filter(|value| is_void(value)) {
+        *value = lowest;
+        count += 1;
+    }
+    Some(count)
 }
 
 /// How codes of an image become codes of heights.

@@ -60,6 +60,7 @@ pub(super) fn decode(
         channels: if grey { 1 } else { 3 },
         sample: SampleKind::U8,
         file_bits: 8,
+        void: None,
     };
     // A progressive file keeps all coefficients, 16 bits each, beside the pixels.
     context.check(&ImageInfo { sample: SampleKind::F32, ..info })?;

@@ -7,6 +7,7 @@
 //! | JPEG 8 bit | yes | yes, sRGB | yes | no |
 //! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | float, ZIP |
 //! | PFM | yes | yes, linear | yes | no |
+//! | Esri ASCII grid, SRTM `.hgt`, `.bil` with `.hdr` | yes | no use | yes | no |
 //!
 //! The format is told from the first bytes, not from the name. Row 0 of what this module returns
 //! as a map or a texture is the *bottom* row of the image (`v = 0`); only [`ChannelImage`], a
@@ -18,13 +19,16 @@
 mod channels;
 mod colour;
 mod exr;
+mod grid;
 mod height;
 mod jpeg;
 mod normal;
 mod pfm;
 mod png;
+mod raw;
 mod read_channels;
 mod source;
+mod terrain;
 mod tiff;
 mod write_exr;
 mod write_png;
@@ -36,6 +40,7 @@ pub use colour::{read_colour, read_colour_bytes};
 pub use height::HeightOptions;
 pub use normal::NormalOptions;
 pub use source::{ImageInfo, SampleKind};
+pub use terrain::Terrain;
 pub use write_exr::{Picture, PictureChannel};
 pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 
@@ -57,11 +62,18 @@ pub enum ImageFormat {
     Exr,
     /// Portable float map.
     Pfm,
+    /// Esri ASCII grid.
+    AsciiGrid,
+    /// SRTM's heights, signed 16-bit metres.
+    Hgt,
+    /// Samples alone, with an Esri header beside them.
+    Raw,
 }
 
 impl ImageFormat {
     /// What is read, in words.
-    pub(crate) const NAMES: &'static str = "PNG, TIFF, JPEG, OpenEXR, PFM";
+    pub(crate) const NAMES: &'static str =
+        "PNG, TIFF, JPEG, OpenEXR, PFM, Esri ASCII grid, .hgt, .bil";
 
     /// The format of a file that begins with `head`.
     pub fn of(head: &[u8]) -> Option<Self> {
@@ -71,8 +83,24 @@ impl ImageFormat {
             [0xff, 0xd8, ..] => Some(Self::Jpeg),
             [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
             [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => Some(Self::Pfm),
+            [b'n' | b'N', b'c' | b'C', b'o' | b'O', b'l' | b'L', b's' | b'S', ..] => {
+                Some(Self::AsciiGrid)
+            }
             _ => None,
         }
+    }
+
+    /// The format of a file called `path` that begins with `head`: by its content, of formats
+    /// without a mark by the ending of its name.
+    pub fn of_file(head: &[u8], path: &Path) -> Option<Self> {
+        Self::of(head).or_else(|| {
+            let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+            match ending.as_str() {
+                "hgt" => Some(Self::Hgt),
+                "bil" | "raw" | "r16" | "r32" | "flt" => Some(Self::Raw),
+                _ => None,
+            }
+        })
     }
 }
 
@@ -84,6 +112,9 @@ impl std::fmt::Display for ImageFormat {
             Self::Jpeg => "JPEG",
             Self::Exr => "OpenEXR",
             Self::Pfm => "PFM",
+            Self::AsciiGrid => "Esri ASCII grid",
+            Self::Hgt => "SRTM heights",
+            Self::Raw => "raw heights",
         })
     }
 }
@@ -99,6 +130,8 @@ fn decode(mut source: Source<'_>, sink: &mut dyn Sink) -> Result<()> {
             ImageFormat::Jpeg => jpeg::decode(context, input, sink),
             ImageFormat::Exr => exr::decode(context, input, sink),
             ImageFormat::Pfm => pfm::decode(context, input, sink),
+            ImageFormat::AsciiGrid => grid::decode(context, input, sink),
+            ImageFormat::Hgt | ImageFormat::Raw => raw::decode(context, format, input, sink),
         }
     })
 }

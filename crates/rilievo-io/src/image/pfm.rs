@@ -32,8 +32,15 @@ pub(super) fn decode(
     let scale = text.parse::<f32>().ok().filter(|s| s.is_finite() && *s != 0.0);
     let scale = scale.ok_or_else(|| header("scale", text, "a number other than 0"))?;
     let sample = SampleKind::F32;
-    let info =
-        ImageInfo { format: ImageFormat::Pfm, width, height, channels, sample, file_bits: 32 };
+    let info = ImageInfo {
+        format: ImageFormat::Pfm,
+        width,
+        height,
+        channels,
+        sample,
+        file_bits: 32,
+        void: None,
+    };
     context.check(&info)?;
     if sink.begin(&info)? == Flow::Stop {
         return Ok(());

@@ -29,8 +29,15 @@ pub(super) fn decode(
     let (width, height) = head.size();
     let file_bits = head.bit_depth as u32;
     let sample = if file_bits == 16 { SampleKind::U16 } else { SampleKind::U8 };
-    let mut info =
-        ImageInfo { format: ImageFormat::Png, width, height, channels: 1, sample, file_bits };
+    let mut info = ImageInfo {
+        format: ImageFormat::Png,
+        width,
+        height,
+        channels: 1,
+        sample,
+        file_bits,
+        void: None,
+    };
     context.check(&info)?;
     let mut reader = decoder.read_info().map_err(damaged)?;
     info.channels = match reader.output_color_type().0 {

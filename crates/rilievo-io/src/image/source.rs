@@ -69,11 +69,12 @@ impl<'a> Source<'a> {
         Self { context: Context { path, limits }, input: Box::new(Cursor::new(bytes)) }
     }
 
-    /// The format, from the first bytes; the name of a file proves nothing.
+    /// The format, from the first bytes; the name of a file proves nothing, unless its format has no
+    /// mark.
     pub fn format(&mut self) -> Result<ImageFormat> {
         let path = self.context.path;
         let head = self.input.fill_buf().map_err(|e| Error::io(path, e))?;
-        ImageFormat::of(head).ok_or_else(|| {
+        ImageFormat::of_file(head, path).ok_or_else(|| {
             let found = match head {
                 [] => "an empty file".to_owned(),
                 _ => format!("a file that begins with {:02x?}", &head[..head.len().min(8)]),
@@ -106,7 +107,7 @@ impl SampleKind {
 }
 
 /// What the header of an image says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageInfo {
     /// The format.
     pub format: ImageFormat,
@@ -120,6 +121,8 @@ pub struct ImageInfo {
     pub sample: SampleKind,
     /// Bits of a sample in the file.
     pub file_bits: u32,
+    /// The sample that stands where nothing was measured, as stored.
+    pub void: Option<f32>,
 }
 
 /// One row of pixels, left to right, channels interleaved.

@@ -15,6 +15,7 @@ use tiff::tags::Tag;
 
 use super::ImageFormat;
 use super::source::{Context, Flow, ImageInfo, Input, Row, SampleKind, Sink};
+use super::terrain::{GDAL_NODATA, void_of_text};
 use crate::error::{Error, Place, Result};
 
 /// Decodes the first image of a TIFF.
@@ -154,7 +155,9 @@ fn header(context: Context<'_>, decoder: &mut Decoder<Box<dyn Input + '_>>) -> R
         16 if unsigned => SampleKind::U16,
         _ => SampleKind::F32,
     };
-    Ok(ImageInfo { format: ImageFormat::Tiff, width, height, channels, sample, file_bits })
+    let void = decoder.find_tag(Tag::Unknown(GDAL_NODATA)).ok().flatten();
+    let void = void.and_then(|value| void_of_text(&value.into_string().ok()?));
+    Ok(ImageInfo { format: ImageFormat::Tiff, width, height, channels, sample, file_bits, void })
 }
 
 /// One row of tiles, put together to full image rows.

@@ -12,6 +12,7 @@ use std::path::Path;
 use rilievo::glam::DVec3;
 
 use super::model::{LightKind, Model, ModelCamera};
+use crate::scene::quoted;
 
 /// Radius of a point light, in sizes of the model.
 const POINT_RADIUS: f64 = 0.01;
@@ -110,19 +111,4 @@ fn write_lights(text: &mut String, model: &Model, middle: DVec3, size: f64) -> s
     let corners = corners.map(point).join(", ");
     writeln!(text, "[[shapes]]\ntype = \"quad\"\ncorners = [{corners}]")?;
     writeln!(text, "material = \"key\"\none_sided = true")
-}
-
-/// A TOML string.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(quoted, "\\u{:04X}", c as u32);
-            }
-            c => quoted.push(c),
-        }
-    }
-    quoted + "\""
 }

@@ -28,7 +28,10 @@ mod present;
 mod resolve;
 mod sets;
 mod syntax;
+mod terrain;
 
 pub use file::SceneFile;
 pub use options::{DistanceBuild, LoadOptions};
 pub use resolve::{LoadedMap, LoadedScene, LoadedSphereMap};
+
+pub(crate) use syntax::quoted;

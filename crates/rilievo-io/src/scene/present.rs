@@ -1,19 +1,22 @@
-//! Scenes for what is no scene: a texture set or a model alone.
+//! Scenes for what is no scene: a texture set, a model or a height map alone.
 
 use std::path::Path;
 
 use super::file::SceneFile;
+use super::syntax::quoted;
 use crate::error::{Error, Place, Result};
+use crate::image::{HeightOptions, Terrain, read_image_info};
 use crate::kind::FileKind;
 use crate::limits::Limits;
 use crate::mesh::Model;
-use crate::texture_set::TextureSet;
+use crate::texture_set::{Assumed, TextureSet, ground};
 
 /// What errors call the scene that was made.
 const NAME: &str = "presentation.toml";
 
 impl SceneFile {
-    /// Reads a scene file, or makes the scene that shows the texture set of a folder, or a model.
+    /// Reads a scene file, or makes the scene that shows the texture set of a folder, a model, or a
+    /// height map.
     ///
     /// # Errors
     /// As [`SceneFile::read`]; of the folder or the model, of one without displacement or triangles.
@@ -30,7 +33,31 @@ impl SceneFile {
                 })?;
                 Self::parse(&text, &path.with_file_name(NAME))
             }
+            Ok(FileKind::Image(_)) => {
+                Self::parse(&of_map(path, limits)?, &path.with_file_name(NAME))
+            }
             _ => Self::read(path, limits),
         }
     }
+}
+
+/// The text of a scene that shows a height map: as terrain, if its file says how large it is.
+fn of_map(path: &Path, limits: &Limits) -> Result<String> {
+    let image = read_image_info(path, limits)?;
+    let file = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+    let map = format!("[maps.map]\nfile = {file}\n");
+    let Some(terrain) = Terrain::read(path, limits)? else {
+        let depth = f64::from(image.height) / f64::from(image.width);
+        let Assumed { zero, scale, .. } =
+            Assumed::of(&HeightOptions::default().read(path, limits)?, path);
+        let displacement =
+            format!("displacement = {{ map = \"map\", scale = {scale}, zero = {zero} }}");
+        return Ok(map + "\n" + &ground(depth, &displacement));
+    };
+    // Kilometres would make a camera easier to place by hand; widths need no thought at all.
+    let width = f64::from(image.width.max(2) - 1) * terrain.cell[0];
+    let depth = f64::from(image.height.max(2) - 1) * terrain.cell[1] / width;
+    let map = map + "grid = \"vertex\"\nwrap = \"clamp\"\n";
+    let terrain = format!("center = [0.5, {}, 0]\nmap = \"map\"\nunit = {width}", 0.5 * depth);
+    Ok(map + "\n" + &ground(depth, &terrain))
 }

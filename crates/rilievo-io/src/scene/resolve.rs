@@ -170,7 +170,7 @@ impl SceneFile {
     }
 
     /// The place of `name` in a list.
-    fn find<T>(
+    pub(super) fn find<T>(
         &self,
         name: &Located<String>,
         all: &[(Located<String>, T)],

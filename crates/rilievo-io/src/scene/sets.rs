@@ -3,7 +3,8 @@
 //! The folder's map for the place is taken: displacement for the `file` of a map, albedo for the
 //! `texture` of a material, the normal map for `normals`. `displacement = { map = "rock/" }` needs no
 //! `[maps]` at all. Before anything is loaded the scene is rewritten to one that names files, with
-//! what the set assumes in place of what the scene does not say; notes tell all of it.
+//! what the set assumes in place of what the scene does not say; notes tell all of it. Terrain is laid
+//! out in the same pass (`terrain`).
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -13,7 +14,8 @@ use rilievo::glam::DVec2;
 use rilievo::map::{Lattice, Layout, NormalConvention, Wrap};
 
 use super::file::{
-    Diffuse, DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, SceneFile, Shape,
+    Diffuse, DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, QuadEntry, SceneFile,
+    Shape,
 };
 use super::syntax::Located;
 use crate::error::{Error, Result};
@@ -51,6 +53,12 @@ impl SceneFile {
         }
         for k in 0..self.shapes.len() {
             let shape = &self.shapes[k];
+            if let Shape::Quad(QuadEntry { ground: Some(ground), .. }) = &shape.shape
+                && let Shape::Quad(quad) = &mut file.to_mut().shapes[k].shape
+            {
+                sets.notes.extend(self.lay_out(quad, ground, limits)?);
+                continue;
+            }
             let (Some(entry), width) = (shape.shape.displacement(), map_width(&shape.shape)) else {
                 continue;
             };

@@ -21,15 +21,19 @@ use std::path::{Path, PathBuf};
 use rilievo::map::{HeightMap, NormalAgreement, NormalConvention, Samples};
 
 pub use naming::MapRole;
+pub(crate) use presentation::ground;
 
 use crate::error::{Error, Place, Result};
 use crate::image::{HeightOptions, ImageInfo, NormalOptions, SampleKind, read_image_info};
 use crate::limits::Limits;
 
 /// Endings of files that are looked at.
-const ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm"];
+const ENDINGS: [&str; 12] =
+    ["png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "asc", "hgt", "bil", "r16", "r32"];
 /// Most entries of a folder.
 const MAX_ENTRIES: usize = 10_000;
+/// The height that stays in place without a better word for it.
+const ZERO: f64 = 0.5;
 /// Depth without a better word for it, in widths of the map.
 const DEPTH: f64 = 0.05;
 /// Depth of a map of numbers or metres from its lowest to its highest sample.
@@ -40,7 +44,7 @@ const BELIEVED: std::ops::RangeInclusive<f64> = 0.01..=0.3;
 const SAME_RELIEF: f64 = 0.5;
 
 /// A map of a set.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SetMap {
     /// What it is for.
     pub role: MapRole,
@@ -55,7 +59,7 @@ pub struct SetMap {
 }
 
 /// A folder of maps.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TextureSet {
     /// The folder.
     pub folder: PathBuf,
@@ -200,29 +204,11 @@ impl TextureSet {
     /// Of the normal map's file.
     pub fn assumed(&self, heights: &HeightMap, limits: &Limits) -> Result<Assumed> {
         let agreement = self.agreement(heights, limits)?;
-        let (low, high) = heights.raw_range();
-        let [low, high] = [low, high].map(|raw| f64::from(raw) * heights.unit());
-        let map = self.displacement()?;
-        let metres = map.path.file_stem().is_some_and(|stem| {
-            let stem = stem.to_string_lossy().to_lowercase();
-            stem.contains("metres") || stem.contains("meters")
-        });
-        let numbers = matches!(heights.samples(), Samples::F32(_)) && (low < -1.0 || high > 2.0);
-        if (metres || numbers) && high > low {
-            let scale = TERRAIN_DEPTH / (high - low);
-            let why = format!(
-                "heights are numbers or metres: {TERRAIN_DEPTH} of the width from \
-                               lowest to highest"
-            );
-            return Ok(Assumed { zero: low, scale, invert: false, why, agreement });
+        let mut assumed = Assumed::of(heights, &self.displacement()?.path);
+        assumed.agreement = agreement;
+        if is_measured(heights, &self.displacement()?.path) {
+            return Ok(assumed);
         }
-        let mut assumed = Assumed {
-            zero: 0.5,
-            scale: DEPTH,
-            invert: false,
-            why: "no word on the depth: the usual one".to_owned(),
-            agreement,
-        };
         if let Some(a) = agreement {
             let same = a.correlation.iter().all(|c| c.abs() >= SAME_RELIEF);
             assumed.invert = same && a.inverted;
@@ -243,6 +229,21 @@ impl TextureSet {
 }
 
 impl Assumed {
+    /// What is assumed of heights alone, read from `path`.
+    pub fn of(heights: &HeightMap, path: &Path) -> Self {
+        let (low, high) = heights.raw_range();
+        let [low, high] = [low, high].map(|raw| f64::from(raw) * heights.unit());
+        let (zero, scale, why) = match is_measured(heights, path) && high > low {
+            true => (
+                low,
+                TERRAIN_DEPTH / (high - low),
+                "numbers or metres, from lowest to highest a tenth of the width",
+            ),
+            false => (ZERO, DEPTH, "no word on the depth: the usual one"),
+        };
+        Self { zero, scale, invert: false, why: why.to_owned(), agreement: None }
+    }
+
     /// The assumptions in one line.
     pub fn describe(&self) -> String {
         let Self { zero, scale, .. } = self;
@@ -266,6 +267,14 @@ impl SetMap {
         };
         (convention, std::cmp::Reverse((pixels, bits)), self.path.clone())
     }
+}
+
+/// Whether heights are metres or other numbers rather than shares of a depth.
+fn is_measured(heights: &HeightMap, path: &Path) -> bool {
+    let (low, high) = heights.raw_range();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+    let numbers = matches!(heights.samples(), Samples::F32(_)) && (low < -1.0 || high > 2.0);
+    numbers || stem.contains("metres") || stem.contains("meters")
 }
 
 /// The images of a folder, by name.

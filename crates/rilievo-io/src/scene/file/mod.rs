@@ -5,6 +5,7 @@
 mod map;
 mod material;
 mod shape;
+mod terrain;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use crate::limits::Limits;
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
 pub(super) use shape::{DisplacementEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry};
+pub(super) use terrain::GroundEntry;
 pub(super) use view::{CameraEntry, RenderEntry};
 
 /// A scene file, read and checked by itself.

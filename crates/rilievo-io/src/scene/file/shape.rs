@@ -8,6 +8,7 @@ use rilievo::relief::{Displacement, Method};
 
 use super::super::syntax::{Located, Table, Value};
 use super::material::PAIR;
+use super::terrain::{GroundEntry, read_terrain};
 use super::view::{POINT, method, point};
 use crate::error::Result;
 
@@ -46,6 +47,8 @@ pub(in super::super) struct QuadEntry {
     pub method: Option<Method>,
     pub closed: bool,
     pub one_sided: bool,
+    /// Of a terrain, what its corners follow from.
+    pub ground: Option<Box<GroundEntry>>,
 }
 
 /// A sphere.
@@ -98,17 +101,24 @@ enum Kind {
     Quad,
     Sphere,
     Mesh,
+    Terrain,
 }
 
 impl ShapeEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let kinds = [("quad", Kind::Quad), ("sphere", Kind::Sphere), ("mesh", Kind::Mesh)];
+        let kinds = [
+            ("quad", Kind::Quad),
+            ("sphere", Kind::Sphere),
+            ("mesh", Kind::Mesh),
+            ("terrain", Kind::Terrain),
+        ];
         let kind = table.require("type")?.choice(&kinds)?;
         let material = table.get("material").map(|v| v.name()).transpose()?;
         let shape = match kind {
             Kind::Quad => Shape::Quad(read_quad(table)?),
             Kind::Sphere => Shape::Sphere(read_sphere(table)?),
             Kind::Mesh => read_mesh(table)?,
+            Kind::Terrain => Shape::Quad(read_terrain(table)?),
         };
         table.finish()?;
         Ok(Self { shape, material })
@@ -138,6 +148,7 @@ fn read_quad(table: &Table<'_>) -> Result<QuadEntry> {
         method: walked.map(|v| method(&v)).transpose()?,
         closed: closed.map_or(Ok(false), |v| v.boolean())?,
         one_sided,
+        ground: None,
     })
 }
 
