@@ -43,28 +43,7 @@ impl MemoryUse {
         let surfaces = scene.world().surfaces();
         all.geometry = size_of_val(surfaces) as u64 + TREE * surfaces.len() as u64;
         for surface in surfaces {
-            match surface {
-                Surface::Quad(_) | Surface::Sphere(_) => {}
-                Surface::Mesh(mesh) => all.geometry += mesh.bytes(),
-                Surface::Face(face) => {
-                    all.geometry += size_of_val(face.as_ref()) as u64;
-                    let relief = face.relief();
-                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
-                    all.add_relief(bytes, &face.options().normals, &mut first);
-                }
-                Surface::ReliefSphere(sphere) => {
-                    all.geometry += size_of_val(sphere.as_ref()) as u64;
-                    let relief = sphere.relief();
-                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
-                    all.add_relief(bytes, &sphere.options().normals, &mut first);
-                }
-                Surface::ReliefMesh(mesh) => {
-                    all.geometry += mesh.bytes();
-                    let relief = mesh.relief();
-                    let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
-                    all.add_relief(bytes, &mesh.options().normals, &mut first);
-                }
-            }
+            all.add(surface, &mut first);
         }
         for material in scene.materials() {
             if let Reflectance::Textured(texture) = &material.diffuse
@@ -77,6 +56,38 @@ impl MemoryUse {
         let tile = Film::predicted_bytes([TILE; 2], options.aovs);
         all.threads = thread_count(options.threads) as u64 * (STACK + tile);
         all
+    }
+
+    /// Adds what a surface holds; `first` says whether something shared was not met before.
+    fn add(&mut self, surface: &Surface, first: &mut impl FnMut(*const ()) -> bool) {
+        match surface {
+            Surface::Quad(_) | Surface::Sphere(_) => {}
+            Surface::Mesh(mesh) => self.geometry += mesh.bytes(),
+            Surface::Face(face) => {
+                self.geometry += size_of_val(face.as_ref()) as u64;
+                let relief = face.relief();
+                let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                self.add_relief(bytes, &face.options().normals, first);
+            }
+            Surface::ReliefSphere(sphere) => {
+                self.geometry += size_of_val(sphere.as_ref()) as u64;
+                let relief = sphere.relief();
+                let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                self.add_relief(bytes, &sphere.options().normals, first);
+            }
+            Surface::ReliefMesh(mesh) => {
+                self.geometry += mesh.bytes();
+                let relief = mesh.relief();
+                let bytes = (Arc::as_ptr(relief).cast(), relief.bytes());
+                self.add_relief(bytes, &mesh.options().normals, first);
+            }
+            Surface::Instance(instance) => {
+                self.geometry += size_of_val(instance.as_ref()) as u64;
+                if first(Arc::as_ptr(instance.prototype()).cast()) {
+                    self.add(instance.prototype(), first);
+                }
+            }
+        }
     }
 
     /// Adds what is at an address, heights and bounds, and normals, each once.

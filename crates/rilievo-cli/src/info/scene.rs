@@ -24,6 +24,7 @@ struct Report {
     quads: usize,
     spheres: usize,
     meshes: usize,
+    instances: usize,
     triangles: usize,
     lights: usize,
     maps: Vec<MapReport>,
@@ -124,6 +125,7 @@ impl Report {
             quads: 0,
             spheres: 0,
             meshes: 0,
+            instances: 0,
             triangles: 0,
             lights: scene.lights().len(),
             maps: maps.iter().map(MapReport::from).collect(),
@@ -134,7 +136,16 @@ impl Report {
             predicted_bytes: predicted_bytes(&memory, resolution, &PictureKind::Colour),
         };
         for surface in scene.world().surfaces() {
+            let surface = match surface {
+                Surface::Instance(instance) => {
+                    report.instances += 1;
+                    instance.prototype().as_ref()
+                }
+                surface => surface,
+            };
             match surface {
+                // Instances show no instances.
+                Surface::Instance(_) => {}
                 Surface::Face(_) | Surface::ReliefSphere(_) => report.reliefs += 1,
                 Surface::ReliefMesh(mesh) => {
                     report.reliefs += 1;
@@ -161,8 +172,15 @@ impl Report {
             self.integrator
         ));
         talk.line(format_args!(
-            "surfaces    {} reliefs, {} quads, {} spheres, {} meshes with {} triangles; {} lights",
-            self.reliefs, self.quads, self.spheres, self.meshes, self.triangles, self.lights
+            "surfaces    {} reliefs, {} quads, {} spheres, {} meshes with {} triangles, {} of them \
+             instances; {} lights",
+            self.reliefs,
+            self.quads,
+            self.spheres,
+            self.meshes,
+            self.triangles,
+            self.instances,
+            self.lights
         ));
         for map in &self.maps {
             talk.line(format_args!(

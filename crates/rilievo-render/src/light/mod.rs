@@ -83,7 +83,8 @@ impl Light {
             Surface::Mesh(_)
             | Surface::Face(_)
             | Surface::ReliefSphere(_)
-            | Surface::ReliefMesh(_) => Vec::new(),
+            | Surface::ReliefMesh(_)
+            | Surface::Instance(_) => Vec::new(),
         }
     }
 

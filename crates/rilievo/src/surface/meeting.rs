@@ -11,11 +11,19 @@ use crate::probe::Probe;
 use crate::ray::Ray;
 use crate::relief::{self, MeshCrossing, ReliefFace, ReliefMesh, ReliefSphere, SphereCrossing};
 
-use super::{Quad, Sphere, Surface};
+use super::{Instance, Quad, Sphere, Surface};
 
 /// A hit that is not worked out.
 #[derive(Clone, Copy)]
-pub(super) enum Meeting<'a> {
+pub(super) struct Meeting<'a> {
+    met: Met<'a>,
+    /// Where the surface that is met stands, if it is an instance's prototype.
+    instance: Option<&'a Instance>,
+}
+
+/// What is met.
+#[derive(Clone, Copy)]
+enum Met<'a> {
     /// A half of a quad.
     Quad(&'a Quad, usize, Crossing),
     /// A sphere at `t`, and whether from its front.
@@ -34,6 +42,21 @@ impl Meeting<'_> {
     /// Ray parameter.
     #[inline]
     pub(super) fn t(&self) -> f64 {
+        self.met.t()
+    }
+
+    /// The hit along the same ray; `hit.surface` is 0.
+    pub(super) fn complete(&self, ray: &Ray) -> Hit {
+        match self.instance {
+            Some(instance) => instance.world_hit(self.met.complete(&instance.local_ray(ray))),
+            None => self.met.complete(ray),
+        }
+    }
+}
+
+impl Met<'_> {
+    #[inline]
+    fn t(&self) -> f64 {
         match self {
             Self::Quad(_, _, crossing) | Self::Mesh(_, _, crossing) => crossing.t,
             Self::Sphere(_, t, _) => *t,
@@ -43,8 +66,7 @@ impl Meeting<'_> {
         }
     }
 
-    /// The hit along the same ray; `hit.surface` is 0.
-    pub(super) fn complete(&self, ray: &Ray) -> Hit {
+    fn complete(&self, ray: &Ray) -> Hit {
         match self {
             Self::Quad(quad, half, crossing) => quad.complete(*half, crossing),
             Self::Sphere(sphere, t, front) => sphere.complete(ray, *t, *front),
@@ -66,24 +88,41 @@ impl Surface {
         departure: Option<&Departure<'_>>,
         probe: &mut P,
     ) -> Option<Meeting<'_>> {
-        Some(match self {
+        let met = match self {
             Self::Quad(quad) => {
                 let (half, crossing) = quad.meet(ray, departure)?;
-                Meeting::Quad(quad, half, crossing)
+                Met::Quad(quad, half, crossing)
             }
             Self::Sphere(sphere) => {
                 let (t, front) = sphere.meet(ray)?;
-                Meeting::Sphere(sphere, t, front)
+                Met::Sphere(sphere, t, front)
             }
             Self::Mesh(mesh) => {
                 let (index, crossing) = mesh.meet(ray, departure, probe)?;
-                Meeting::Mesh(mesh, index, crossing)
+                Met::Mesh(mesh, index, crossing)
             }
-            Self::Face(face) => Meeting::Face(face, face.first_crossing(ray, probe)?),
+            Self::Face(face) => Met::Face(face, face.first_crossing(ray, probe)?),
             Self::ReliefSphere(sphere) => {
-                Meeting::ReliefSphere(sphere, sphere.first_crossing(ray, probe)?)
+                Met::ReliefSphere(sphere, sphere.first_crossing(ray, probe)?)
             }
-            Self::ReliefMesh(mesh) => Meeting::ReliefMesh(mesh, mesh.first_crossing(ray, probe)?),
-        })
+            Self::ReliefMesh(mesh) => Met::ReliefMesh(mesh, mesh.first_crossing(ray, probe)?),
+            Self::Instance(instance) => return instance.meet(ray, probe),
+        };
+        Some(Meeting { met, instance: None })
+    }
+}
+
+impl Instance {
+    /// What a ray meets of the prototype; `ray.from`, if any, is on this instance.
+    fn meet<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Meeting<'_>> {
+        let (prototype, ray) = (self.prototype(), self.local_ray(ray));
+        let departure = ray.from.and_then(|from| prototype.departure(from));
+        let meeting = prototype.meet(&ray, departure.as_ref(), probe)?;
+        Some(Meeting { instance: Some(self), ..meeting })
+    }
+
+    /// Whether a ray meets the prototype; rays as for [`Instance::meet`].
+    pub(super) fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.prototype().occludes(&self.local_ray(ray), probe)
     }
 }

@@ -7,12 +7,14 @@
 //! sign of `t` alone: a ray that leaves another surface exactly where it touches one of them, to
 //! rounding, may be stopped by it or pass it.
 
+mod instance;
 mod lone;
 mod meeting;
 mod quad;
 mod sphere;
 mod world;
 
+pub use instance::{Instance, InstanceError};
 pub use quad::{Quad, QuadError};
 pub use sphere::{Sphere, SphereError};
 pub use world::World;
@@ -42,6 +44,8 @@ pub enum Surface {
     ReliefSphere(Box<ReliefSphere>),
     /// A displaced triangle mesh.
     ReliefMesh(Box<ReliefMesh>),
+    /// Another surface, standing elsewhere.
+    Instance(Box<Instance>),
 }
 
 impl From<Quad> for Surface {
@@ -80,6 +84,12 @@ impl From<ReliefMesh> for Surface {
     }
 }
 
+impl From<Instance> for Surface {
+    fn from(instance: Instance) -> Self {
+        Self::Instance(Box::new(instance))
+    }
+}
+
 impl Surface {
     /// The nearest hit within `0 <= t <= t_max`. `ray.from`, if any, is on this surface;
     /// `hit.surface` is 0.
@@ -103,6 +113,7 @@ impl Surface {
             Self::Face(face) => face.bounds(),
             Self::ReliefSphere(sphere) => sphere.bounds(),
             Self::ReliefMesh(mesh) => mesh.bounds(),
+            Self::Instance(instance) => instance.bounds(),
         }
     }
 
@@ -115,6 +126,7 @@ impl Surface {
             Self::Face(face) => Some(Departure::Shell(face.as_ref())),
             Self::ReliefSphere(sphere) => Some(Departure::Shell(sphere.as_ref())),
             Self::ReliefMesh(mesh) => Some(Departure::Shell(mesh.as_ref())),
+            Self::Instance(instance) => Some(Departure::Shell(instance.as_ref())),
         }
     }
 
@@ -132,6 +144,7 @@ impl Surface {
             Self::Face(face) => face.occludes(ray, probe),
             Self::ReliefSphere(sphere) => sphere.occludes(ray, probe),
             Self::ReliefMesh(mesh) => mesh.occludes(ray, probe),
+            Self::Instance(instance) => instance.occludes(ray, probe),
         }
     }
 }
@@ -157,20 +170,13 @@ impl Shell for ReliefFace {
 impl Shell for ReliefSphere {
     /// The box around it.
     fn hull(&self) -> [DVec3; 8] {
-        corners(self.bounds())
+        instance::corners(&self.bounds())
     }
 }
 
 impl Shell for ReliefMesh {
     /// The box around it.
     fn hull(&self) -> [DVec3; 8] {
-        corners(self.bounds())
+        instance::corners(&self.bounds())
     }
-}
-
-fn corners(Aabb { min, max }: Aabb) -> [DVec3; 8] {
-    std::array::from_fn(|k| {
-        let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
-        DVec3::new(pick(0), pick(1), pick(2))
-    })
 }
