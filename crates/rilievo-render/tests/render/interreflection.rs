@@ -1,10 +1,10 @@
 //! Diffuse bounces, where the radiance is known.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use glam::DVec3;
-use rilievo::mesh::{Mesh, MeshData, Triangle};
-use rilievo::surface::Surface;
+use glam::{DAffine3, DVec3};
+use rilievo::surface::{Instance, Quad, Surface};
 use rilievo_render::{Film, Material, RenderOptions, RenderSettings, Rgb, Scene, render};
 
 use crate::scenes::{Builder, camera, diffuse, emitter, pixel_centers};
@@ -28,22 +28,17 @@ fn bounces(max_depth: u32) -> RenderSettings {
     }
 }
 
-/// The quad of a corner and two edges as a mesh: it glows, but is no light that is sampled.
-fn mesh([corner, u, v]: [DVec3; 3]) -> Surface {
-    let triangle = |positions| Triangle { positions, normals: None, uvs: None };
-    let data = MeshData {
-        positions: vec![corner, corner + u, corner + u + v, corner + v],
-        triangles: vec![triangle([0, 1, 2]), triangle([0, 2, 3])],
-        ..MeshData::default()
-    };
-    Surface::Mesh(Mesh::new(data).unwrap())
+/// The quad of a corner and two edges as an instance: it glows, but is no light that is sampled.
+fn glowing([corner, u, v]: [DVec3; 3]) -> Surface {
+    let quad = Quad::new([corner, corner + u, corner + u + v, corner + v], false).unwrap();
+    Instance::new(Arc::new(quad.into()), DAffine3::IDENTITY).unwrap().into()
 }
 
-/// The walls of the cube [-1, 1]^3, their fronts inside; `as_mesh` makes them glow without being
+/// The walls of the cube [-1, 1]^3, their fronts inside; `as_instances` makes them glow without being
 /// lights.
-fn room(walls: &Material, as_mesh: bool, settings: RenderSettings) -> Scene {
+fn room(walls: &Material, as_instances: bool, settings: RenderSettings) -> Scene {
     let view = camera([0.1, 0.2, 0.05], [1.0, 0.3, 0.2], 100.0, [24, 24]);
-    if !as_mesh {
+    if !as_instances {
         return Builder::default().room(DVec3::ZERO, 1.0, walls).scene(view, settings);
     }
     let mut builder = Builder::default();
@@ -51,7 +46,7 @@ fn room(walls: &Material, as_mesh: bool, settings: RenderSettings) -> Scene {
         for normal in [axis, -axis] {
             let u = DVec3::new(axis.z, axis.x, axis.y);
             let v = normal.cross(u);
-            builder = builder.surface(mesh([-normal - u - v, 2.0 * u, 2.0 * v]), walls.clone());
+            builder = builder.surface(glowing([-normal - u - v, 2.0 * u, 2.0 * v]), walls.clone());
         }
     }
     builder.scene(view, settings)
@@ -96,10 +91,10 @@ fn a_panel_lights_a_floor_by_bounces_as_by_shadow_rays() {
     // 2 x 2 at height 1 over its corner: the corner formula of a rectangle.
     let expected = 0.8 / PI * 2.0 / 5.0f64.sqrt() * (2.0 / 5.0f64.sqrt()).atan();
     let panel = [DVec3::Z, DVec3::Y * 2.0, DVec3::X * 2.0];
-    for as_mesh in [true, false] {
+    for as_instances in [true, false] {
         let builder = Builder::default().quad(FLOOR, diffuse(0.8));
-        let builder = match as_mesh {
-            true => builder.surface(mesh(panel), emitter(Rgb::ONE)),
+        let builder = match as_instances {
+            true => builder.surface(glowing(panel), emitter(Rgb::ONE)),
             false => builder.quad(panel, emitter(Rgb::ONE)),
         };
         let settings = RenderSettings { diffuse_samples: 16, shadow_samples: 16, ..bounces(1) };
@@ -107,9 +102,9 @@ fn a_panel_lights_a_floor_by_bounces_as_by_shadow_rays() {
         let view = camera([0.0, -5.0, 1.0], [0.0, 0.0, 0.0], 1e-4, [64, 64]);
         let (film, stats) = pixel_centers(&builder.scene(view, settings));
         let (mean, error) = mean(&film);
-        assert!((mean - expected).abs() < 4.0 * error, "{as_mesh}: {mean} +- {error}");
+        assert!((mean - expected).abs() < 4.0 * error, "{as_instances}: {mean} +- {error}");
         assert!(error < 0.01 * expected);
-        assert_eq!(stats.rays.shadow > 0, !as_mesh);
+        assert_eq!(stats.rays.shadow > 0, !as_instances);
         assert_eq!(stats.rays.diffuse, 64 * 64 * 16);
     }
 }
@@ -127,8 +122,8 @@ fn two_endless_planes_exchange_light() {
         ]
     };
     let scene = Builder::default()
-        .surface(mesh(wide(0.0, 1.0)), floor)
-        .surface(mesh(wide(1.0, -1.0)), diffuse(0.25))
+        .surface(glowing(wide(0.0, 1.0)), floor)
+        .surface(glowing(wide(1.0, -1.0)), diffuse(0.25))
         .scene(camera([0.0, 0.0, 0.5], [0.2, 0.0, 0.0], 1e-3, [64, 64]), bounces(2));
     let (film, _) = pixel_centers(&scene);
     // Down, up, down: 1 + 0.5 * 0.25 * 1; no ray finds the planes' ends.
