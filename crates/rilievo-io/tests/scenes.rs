@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use rilievo::glam::{DVec2, DVec3};
 use rilievo::map::{DistanceKind, Lattice, Samples, Wrap};
-use rilievo::relief::{Method, ShadingNormals};
+use rilievo::relief::{Edges, Method, ShadingNormals};
 use rilievo::surface::Surface;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_io::{Error, Limits, Place};
@@ -172,6 +172,28 @@ fn displaced_spheres_share_their_map_with_quads() {
     let least = Limits { max_bytes: 500 };
     let error = file.load(&LoadOptions { limits: least, ..LoadOptions::default() }).unwrap_err();
     assert!(matches!(error, Error::Limit { what, .. } if what == "the map of a sphere"));
+}
+
+#[test]
+fn displaced_meshes_and_quads_of_two_triangles() {
+    let loaded = load(&root().join("tests/scenes/valid/displaced_mesh.toml")).unwrap();
+    let [Surface::ReliefMesh(first), Surface::ReliefMesh(second)] = loaded.scene.world().surfaces()
+    else {
+        panic!("two displaced meshes");
+    };
+    let options = first.options();
+    let d = options.displacement;
+    assert_eq!((d.scale, d.zero, d.tile, d.shift), (0.1, 0.5, [2.0, 1.0], [0.25, 0.5]));
+    assert_eq!((options.method, options.edges), (Method::Dda, Edges::Shared));
+    assert!(options.closed && options.one_sided);
+    assert!(first.report().seam_walls > 0 && first.report().open_edges == 0);
+    assert_eq!((second.options().edges, second.report().seam_walls), (Edges::AsAuthored, 0));
+    assert!(std::sync::Arc::ptr_eq(first.relief(), second.relief()));
+    let loaded = load(&root().join("tests/scenes/valid/displaced_trapezium.toml")).unwrap();
+    let [Surface::ReliefMesh(quad)] = loaded.scene.world().surfaces() else {
+        panic!("one displaced quad");
+    };
+    assert_eq!(quad.data().triangles.len(), 2);
 }
 
 #[test]

@@ -49,14 +49,14 @@
 //! - [`Ray`], [`Hit`]: in and out. A hit spawns rays that neither meet their own start nor slip
 //!   through it, without an epsilon to choose.
 //! - [`map`]: height maps and what is derived from them: normals, distance maps, min-max pyramid.
-//! - [`relief`]: displaced faces and spheres, and the methods that walk rays through them.
+//! - [`relief`]: displaced faces, spheres and meshes, and the methods that walk rays through them.
 //! - [`surface`]: everything that can be hit, and the world that holds it.
 //! - [`mesh`], [`accel`]: undisplaced triangle meshes and the BVH, which knows nothing of relief.
 //! - [`Probe`]: counters of the work done; `()` counts nothing and costs nothing.
 //!
 //! # Current state
 //!
-//! Displacement lies on parallelograms and spheres. Meshes are traced, not yet displaced.
+//! Displacement lies on parallelograms, spheres and triangle meshes, along their normals.
 //! docs/LIMITS.md lists what else is missing.
 
 pub mod accel;

@@ -25,6 +25,7 @@ mod load_map;
 mod models;
 mod options;
 mod present;
+mod relief_mesh;
 mod resolve;
 mod sets;
 mod syntax;

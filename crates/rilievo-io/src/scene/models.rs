@@ -73,7 +73,7 @@ impl Loader<'_> {
     }
 
     /// What the renderer has of a material.
-    fn model_material(&mut self, from: &ModelMaterial) -> Material {
+    pub(super) fn model_material(&mut self, from: &ModelMaterial) -> Material {
         // What an image makes of it differs from place to place; most surfaces are no metal.
         let metal = from.metalness >= METAL && from.metalness_map.is_none();
         let diffuse = match from.colour_map.as_ref().and_then(|image| self.colour_image(image)) {

@@ -16,7 +16,8 @@ use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
 
 use super::file::{
-    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape, SphereEntry,
+    Diffuse, DisplacementEntry, MaterialEntry, MeshEntry, Normals, QuadEntry, SceneFile, Shape,
+    SphereEntry,
 };
 use super::load_map::{self, Face, Needs};
 use super::options::LoadOptions;
@@ -68,8 +69,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`Error::Reference`] for a file that cannot be read; [`Error::Invalid`] for a name that is
-    /// not there, shapes without area, a camera without direction; [`Error::Unsupported`] for a
-    /// displaced quad that is not a parallelogram. The place is that in the scene file.
+    /// not there, shapes without area, a camera without direction; The place is that in the scene file.
     pub fn load(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
         let (file, notes) = self.with_sets(&options.limits)?;
         let mut loaded = file.load_files(options)?;
@@ -100,8 +100,8 @@ impl SceneFile {
         let (mut surfaces, mut material_of) = (Vec::new(), Vec::new());
         for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
             match (&entry.shape, &entry.material) {
-                (Shape::Mesh { file, world_from_object }, None) => {
-                    for (mesh, own) in loader.parts(file, world_from_object.as_ref())? {
+                (Shape::Mesh(mesh), None) if mesh.displacement.is_none() => {
+                    for (mesh, own) in loader.parts(&mesh.file, mesh.world_from_object.as_ref())? {
                         surfaces.push(mesh.into());
                         material_of.push(match own {
                             Some(own) => {
@@ -111,6 +111,18 @@ impl SceneFile {
                             None => material,
                         });
                     }
+                }
+                (Shape::Mesh(MeshEntry { displacement: Some(displacement), .. }), named) => {
+                    let Shape::Mesh(mesh) = &entry.shape else { continue };
+                    let (mesh, own) = loader.relief_mesh(mesh, displacement)?;
+                    surfaces.push(mesh.into());
+                    material_of.push(match own {
+                        Some(own) if named.is_none() => {
+                            materials.push(own);
+                            materials.len() as u32 - 1
+                        }
+                        _ => material,
+                    });
                 }
                 (shape, _) => {
                     surfaces.push(loader.surface(shape)?);
@@ -187,7 +199,13 @@ impl SceneFile {
         })
     }
 
-    fn invalid(&self, at: &Range<usize>, what: &str, found: String, allowed: String) -> Error {
+    pub(super) fn invalid(
+        &self,
+        at: &Range<usize>,
+        what: &str,
+        found: String,
+        allowed: String,
+    ) -> Error {
         Error::Invalid(Box::new(self.document().fault(at, what, found, allowed)))
     }
 }
@@ -204,7 +222,7 @@ struct Used {
 pub(super) struct Loader<'a> {
     pub(super) file: &'a SceneFile,
     pub(super) options: &'a LoadOptions<'a>,
-    maps: HashMap<&'a str, Arc<Relief>>,
+    pub(super) maps: HashMap<&'a str, Arc<Relief>>,
     sphere_maps: HashMap<&'a str, LoadedSphereMap>,
     pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
     /// What was not as files say, a line each.
@@ -213,7 +231,7 @@ pub(super) struct Loader<'a> {
 
 impl<'a> Loader<'a> {
     /// The method of a shape that asks for its `own`.
-    fn method(&self, own: Option<Method>) -> Method {
+    pub(super) fn method(&self, own: Option<Method>) -> Method {
         self.options.method.or(own).unwrap_or(self.file.render.method)
     }
 
@@ -223,21 +241,26 @@ impl<'a> Loader<'a> {
         for shape in &self.file.shapes {
             let Some(entry) = shape.shape.displacement() else { continue };
             let index = self.file.find(&entry.map, &self.file.maps, "map")?;
-            let Shape::Quad(quad) = &shape.shape else {
-                self.load_sphere_map(index)?;
-                continue;
+            let face = match &shape.shape {
+                Shape::Sphere(_) => {
+                    self.load_sphere_map(index)?;
+                    continue;
+                }
+                Shape::Quad(quad) if self.is_parallelogram(quad)? => {
+                    let [c0, c1, _, c3] = quad.corners.value;
+                    let tile = entry.displacement.tile;
+                    let sides = [(c1 - c0).length() / tile[0], (c3 - c0).length() / tile[1]];
+                    Some((self.method(quad.method), sides))
+                }
+                Shape::Quad(_) | Shape::Mesh(_) => None,
             };
-            self.parallelogram(quad)?;
             let at = needs.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {
                 needs.push((index, Needs::default()));
                 needs.len() - 1
             });
-            let [c0, c1, _, c3] = quad.corners.value;
-            let tile = entry.displacement.tile;
-            let sides = [(c1 - c0).length() / tile[0], (c3 - c0).length() / tile[1]];
-            needs[at]
-                .1
-                .add(self.method(quad.method), Face { sides, scale: entry.displacement.scale });
+            if let Some((method, sides)) = face {
+                needs[at].1.add(method, Face { sides, scale: entry.displacement.scale });
+            }
         }
         for (index, needs) in needs {
             let (name, entry) = &self.file.maps[index];
@@ -258,20 +281,13 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
-    /// Refuses a quad that cannot be displaced, before its map is read.
-    fn parallelogram(&self, quad: &QuadEntry) -> Result<()> {
+    /// Whether a quad is displaced as one face; any other is two base triangles.
+    fn is_parallelogram(&self, quad: &QuadEntry) -> Result<bool> {
         let flat = self.flat_quad(quad)?;
         let [c0, c1, c2, c3] = quad.corners.value;
         let near =
             (c2 - (c1 + c3 - c0)).length() <= 1e-9 * (c1 - c0).length().max((c3 - c0).length());
-        if flat.is_parallelogram() || near {
-            return Ok(());
-        }
-        let found = "a displaced quad that is not a parallelogram is not supported yet";
-        let p = c1 + c3 - c0;
-        let allowed = format!("c2 = c1 + c3 - c0 = [{}, {}, {}]", p.x, p.y, p.z);
-        let fault = self.file.document().fault(&quad.corners.at, "corners", found, allowed);
-        Err(Error::Unsupported(Box::new(fault)))
+        Ok(flat.is_parallelogram() || near)
     }
 
     fn flat_quad(&self, quad: &QuadEntry) -> Result<Quad> {
@@ -285,7 +301,8 @@ impl<'a> Loader<'a> {
         match shape {
             Shape::Quad(quad) => match &quad.displacement {
                 None => Ok(self.flat_quad(quad)?.into()),
-                Some(entry) => Ok(self.face(quad, entry)?.into()),
+                Some(entry) if self.is_parallelogram(quad)? => Ok(self.face(quad, entry)?.into()),
+                Some(entry) => Ok(self.relief_quad(quad, entry)?.into()),
             },
             Shape::Sphere(sphere) => match &sphere.displacement {
                 None => {
@@ -298,9 +315,9 @@ impl<'a> Loader<'a> {
                 }
                 Some(entry) => Ok(self.relief_sphere(sphere, entry)?.into()),
             },
-            Shape::Mesh { file, world_from_object } => {
-                let data = self.model(file)?.mesh;
-                Ok(self.placed(data, file, world_from_object.as_ref())?.into())
+            Shape::Mesh(mesh) => {
+                let data = self.model(&mesh.file)?.mesh;
+                Ok(self.placed(data, &mesh.file, mesh.world_from_object.as_ref())?.into())
             }
         }
     }
@@ -348,7 +365,7 @@ impl<'a> Loader<'a> {
         })
     }
 
-    fn normals(
+    pub(super) fn normals(
         &self,
         normals: &Normals,
         (lattice, wrap): (Lattice, Wrap),

@@ -245,6 +245,6 @@ fn map_width(shape: &Shape) -> Option<f64> {
             Some((c1 - c0).length())
         }
         Shape::Sphere(sphere) => Some(std::f64::consts::TAU * sphere.radius.value),
-        Shape::Mesh { .. } => None,
+        Shape::Mesh(_) => None,
     }
 }

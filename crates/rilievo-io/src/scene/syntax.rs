@@ -155,11 +155,6 @@ impl<'a> Value<'a> {
         Error::Invalid(Box::new(self.fault(self.found(), allowed)))
     }
 
-    /// The value is sound but this version does not handle it.
-    pub fn unsupported(&self, found: impl Into<String>, allowed: impl Into<String>) -> Error {
-        Error::Unsupported(Box::new(self.fault(found, allowed)))
-    }
-
     fn fault(&self, found: impl Into<String>, allowed: impl Into<String>) -> Fault {
         self.doc.fault(&self.value.span(), &self.name, found, allowed)
     }

@@ -19,7 +19,9 @@ use crate::limits::Limits;
 
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
-pub(super) use shape::{DisplacementEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry};
+pub(super) use shape::{
+    DisplacementEntry, MeshEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry,
+};
 pub(super) use terrain::GroundEntry;
 pub(super) use view::{CameraEntry, RenderEntry};
 
@@ -56,8 +58,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`Error::Invalid`] for text that is not TOML, an unknown key, a missing one, a value of the
-    /// wrong type or out of range; [`Error::Unsupported`] for what is planned but not there yet.
-    /// The place is the value's.
+    /// wrong type or out of range. The place is the value's.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let doc = Document { path, text };
         let parsed = DeTable::parse(text).map_err(|e| doc.syntax_error(&e))?;
@@ -122,13 +123,16 @@ impl SceneFile {
             Diffuse::Texture(texture) => Some(&texture.file),
             Diffuse::Uniform(_) => None,
         });
-        let shapes = self.shapes.iter().filter_map(|shape| match &shape.shape {
-            Shape::Mesh { file, .. } => Some(file),
-            shape => match &shape.displacement()?.normals {
+        let meshes = self.shapes.iter().filter_map(|shape| match &shape.shape {
+            Shape::Mesh(mesh) => Some(&mesh.file),
+            Shape::Quad(_) | Shape::Sphere(_) => None,
+        });
+        let normals =
+            self.shapes.iter().filter_map(|shape| match &shape.shape.displacement()?.normals {
                 Normals::File { file, .. } => Some(file),
                 _ => None,
-            },
-        });
+            });
+        let shapes = meshes.chain(normals);
         maps.chain(baked).chain(textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
     }
 

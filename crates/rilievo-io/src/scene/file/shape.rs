@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rilievo::glam::{DAffine3, DMat3, DVec3, EulerRot};
 use rilievo::map::NormalConvention;
-use rilievo::relief::{Displacement, Method};
+use rilievo::relief::{Displacement, Edges, Method};
 
 use super::super::syntax::{Located, Table, Value};
 use super::material::PAIR;
@@ -60,12 +60,24 @@ pub(in super::super) struct SphereEntry {
     pub method: Option<Method>,
 }
 
+/// A mesh.
+#[derive(Clone, Debug)]
+pub(in super::super) struct MeshEntry {
+    pub file: Located<String>,
+    pub world_from_object: Option<Located<DAffine3>>,
+    pub displacement: Option<DisplacementEntry>,
+    pub edges: Edges,
+    pub method: Option<Method>,
+    pub closed: bool,
+    pub one_sided: bool,
+}
+
 /// A shape.
 #[derive(Clone, Debug)]
 pub(in super::super) enum Shape {
     Quad(QuadEntry),
     Sphere(SphereEntry),
-    Mesh { file: Located<String>, world_from_object: Option<Located<DAffine3>> },
+    Mesh(MeshEntry),
 }
 
 /// What an entry of `[[shapes]]` says.
@@ -81,7 +93,7 @@ impl Shape {
         match self {
             Self::Quad(quad) => quad.displacement.as_ref(),
             Self::Sphere(sphere) => sphere.displacement.as_ref(),
-            Self::Mesh { .. } => None,
+            Self::Mesh(mesh) => mesh.displacement.as_ref(),
         }
     }
 
@@ -90,7 +102,7 @@ impl Shape {
         match self {
             Self::Quad(quad) => quad.displacement.as_mut(),
             Self::Sphere(sphere) => sphere.displacement.as_mut(),
-            Self::Mesh { .. } => None,
+            Self::Mesh(mesh) => mesh.displacement.as_mut(),
         }
     }
 }
@@ -117,7 +129,7 @@ impl ShapeEntry {
         let shape = match kind {
             Kind::Quad => Shape::Quad(read_quad(table)?),
             Kind::Sphere => Shape::Sphere(read_sphere(table)?),
-            Kind::Mesh => read_mesh(table)?,
+            Kind::Mesh => Shape::Mesh(read_mesh(table)?),
             Kind::Terrain => Shape::Quad(read_terrain(table)?),
         };
         table.finish()?;
@@ -168,20 +180,31 @@ fn read_sphere(table: &Table<'_>) -> Result<SphereEntry> {
     })
 }
 
-fn read_mesh(table: &Table<'_>) -> Result<Shape> {
-    if let Some(value) = table.get("displacement") {
-        let found = "a displaced mesh is not supported yet";
-        let allowed = "displacement of a sphere, or of a quad that is a parallelogram";
-        return Err(value.unsupported(found, allowed));
-    }
+fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
     let file = table.require("file")?.name()?;
-    if let Some(value) = table.get("edges") {
-        // Both mean the same until meshes are displaced.
-        value.choice(&[("shared", ()), ("as-authored", ())])?;
-    }
+    let edges = table.get("edges").map_or(Ok(Edges::Shared), |v| {
+        v.choice(&[("shared", Edges::Shared), ("as-authored", Edges::AsAuthored)])
+    })?;
     let transform = table.get("transform");
     let world_from_object = transform.map(|v| v.located(read_transform)).transpose()?;
-    Ok(Shape::Mesh { file, world_from_object })
+    let displacement = table.get("displacement");
+    let [closed, one_sided] = ["closed", "one_sided"].map(|key| table.get(key));
+    let walked = table.get("method");
+    if displacement.is_none()
+        && let Some(value) = closed.as_ref().or(one_sided.as_ref()).or(walked.as_ref())
+    {
+        return Err(value.invalid("nothing: only a mesh with `displacement` has this key"));
+    }
+    let flag = |value: Option<Value<'_>>| value.map_or(Ok(false), |v| v.boolean());
+    Ok(MeshEntry {
+        file,
+        world_from_object,
+        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
+        edges,
+        method: walked.map(|v| method(&v)).transpose()?,
+        closed: flag(closed)?,
+        one_sided: flag(one_sided)?,
+    })
 }
 
 /// Scaled first, then turned about x, y and z, then moved.
