@@ -93,7 +93,7 @@ fn wrong_attributes(scene: &SphereScene, ray: &Ray, hit: &Hit, family: Family) -
 fn methods_agree_bit_for_bit() {
     for (index, scene) in scenes().iter().enumerate() {
         let contenders = contenders(scene);
-        (0..rays(40_000)).into_par_iter().for_each(|k| {
+        (0..rays(20_000)).into_par_iter().for_each(|k| {
             let family = Family::ALL[(k % Family::ALL.len() as u64) as usize];
             let mut random = Random::new(&[51, index as u64, k]);
             let ray = scene.ray(family, &mut random);
@@ -165,7 +165,7 @@ fn nothing_escapes_from_inside() {
     for (index, scene) in scenes().iter().enumerate() {
         for method in [Method::Dda, Method::Pyramid] {
             let sphere = scene.sphere(method, Layout::Default, SimdLevel::detect());
-            (0..rays(60_000)).into_par_iter().for_each(|k| {
+            (0..rays(30_000)).into_par_iter().for_each(|k| {
                 let mut random = Random::new(&[53, index as u64, k]);
                 let family = if k % 2 == 0 { Family::Inside } else { Family::AimedInside };
                 let ray = scene.ray(family, &mut random);

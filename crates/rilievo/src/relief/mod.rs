@@ -53,8 +53,7 @@ pub use face::{FaceError, ReliefFace};
 pub use mesh::{Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError};
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
-pub(crate) use sphere::SphereCrossing;
-pub use sphere::{CubeRelief, ReliefSphere, ReliefSphereError, SphereOptions};
+pub use sphere::{CubeRelief, ReliefSphere, ReliefSphereError, SphereCrossing, SphereOptions};
 pub use trace::Crossing;
 
 /// A height map with what was derived from it; one relief serves any number of faces.

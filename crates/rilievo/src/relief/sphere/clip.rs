@@ -12,6 +12,17 @@ use glam::DVec3;
 
 use super::radii::Radii;
 
+/// Where a part begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beginning {
+    /// On the outer ball, outside of the surface.
+    Roof,
+    /// On the inner ball, inside of it.
+    Floor,
+    /// At the ray's own start, on whichever side.
+    Origin,
+}
+
 /// A straight part of a ray, relative to the sphere's centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
@@ -20,6 +31,9 @@ pub(super) struct Part {
     /// The ray's parameter at the start, and how far the part goes on from there.
     pub t: f64,
     pub length: f64,
+    /// Where the line that the part is on is closest to the centre, from the start.
+    pub nearest: f64,
+    pub from: Beginning,
 }
 
 /// Parts of the ray from `origin`, relative to the centre.
@@ -27,25 +41,34 @@ pub(super) struct Part {
 pub(super) fn parts(radii: &Radii, origin: DVec3, direction: DVec3) -> [Option<Part>; 2] {
     let none = [None; 2];
     let per_length = 1.0 / direction.length_squared();
-    let wide = Chord::new(origin, direction, per_length);
-    let Some(half) = wide.half(1.5 * radii.roof, per_length) else { return none };
-    let moved = (wide.middle - half).max(0.0);
-    let origin = origin + moved * direction;
+    let (wide, mut origin, mut moved) = (1.5 * radii.roof, origin, 0.0);
+    if origin.length_squared() > wide * wide {
+        let chord = Chord::new(origin, direction, per_length);
+        let Some(half) = chord.half(wide, per_length) else { return none };
+        moved = (chord.middle - half).max(0.0);
+        origin += moved * direction;
+    }
     let chord = Chord::new(origin, direction, per_length);
     let Some(half) = chord.half(radii.roof, per_length) else { return none };
-    let part = |from: f64, to: f64| {
+    let part = |from: f64, to: f64, beginning: Beginning| {
+        let beginning = if from > 0.0 { beginning } else { Beginning::Origin };
         let from = from.max(0.0);
         (from <= to).then(|| Part {
             start: origin + from * direction,
             direction,
             t: moved + from,
             length: to - from,
+            nearest: chord.middle - from,
+            from: beginning,
         })
     };
     let (enter, leave) = (chord.middle - half, chord.middle + half);
     match chord.half(radii.floor, per_length) {
-        Some(half) => [part(enter, chord.middle - half), part(chord.middle + half, leave)],
-        None => [part(enter, leave), None],
+        Some(half) => [
+            part(enter, chord.middle - half, Beginning::Roof),
+            part(chord.middle + half, leave, Beginning::Floor),
+        ],
+        None => [part(enter, leave, Beginning::Roof), None],
     }
 }
 
@@ -69,13 +92,5 @@ impl Chord {
     fn half(&self, radius: f64, per_length: f64) -> Option<f64> {
         let square = radius * radius - self.distance;
         (square >= 0.0).then(|| (square * per_length).sqrt())
-    }
-}
-
-impl Part {
-    /// Where the part, or the line that it is on, is closest to the centre, from its start.
-    #[inline(always)]
-    pub fn nearest(&self) -> f64 {
-        -self.start.dot(self.direction) / self.direction.length_squared()
     }
 }

@@ -26,6 +26,9 @@ pub(super) struct Radii {
     /// Smallest and largest distance of a lattice point.
     pub lowest: f64,
     pub highest: f64,
+    /// The middle between them, and the largest magnitude of a raw height.
+    pub middle: f64,
+    pub largest_raw: f64,
     /// Two balls between which the surface lies, clear of both by 2^-30 of their radius.
     pub floor: f64,
     pub roof: f64,
@@ -59,6 +62,8 @@ impl Radii {
             per_raw,
             lowest,
             highest,
+            middle: 0.5 * (lowest + highest),
+            largest_raw: f64::from(low.abs().max(high.abs())),
             floor: lowest / flat * (1.0 - clear),
             roof: highest * (1.0 + clear),
             above: 1.0 + slack,

@@ -6,7 +6,8 @@
 //!
 //! **Watertight (proof).** A point between two segments is made once: its common coordinate along the
 //! edge comes from the mean of `P . u` and `P . v`, the other coordinate of each face is *set* to the
-//! edge, and the gap there is computed once, for both. Within a segment cells share the parameters of
+//! edge, and the gap there is a function of the point as the first of the two faces sees it, the
+//! same for both. Within a segment cells share the parameters of
 //! their common lines, and the local coordinate on the line that gave the parameter is set; as
 //! `lerp` is exact at both ends, both cells compute the same gap on a line. A cell is active only if
 //! `s0 < s1`, and active cells tile `[0, 1]`: lines are monotone in their index, and `inverse` is
@@ -17,10 +18,10 @@
 
 use glam::DVec3;
 
-use super::clip::Part;
+use super::clip::{Beginning, Part};
 use super::leaf::{Gap, bilinear};
 use super::radii::Radii;
-use crate::map::{CubeFace, HeightMap};
+use crate::map::{CubeFace, Samples};
 use crate::relief::sphere::CubeRelief;
 
 /// A slope that is not 0, and leads nowhere.
@@ -29,6 +30,7 @@ const STILL: f64 = 1e-300;
 /// A point over a face: cells' coordinates and `q = n / Z`.
 #[derive(Clone, Copy, Debug)]
 struct Over {
+    face: CubeFace,
     at: [f64; 2],
     q: f64,
 }
@@ -37,7 +39,7 @@ struct Over {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment<'a> {
     pub face: CubeFace,
-    pub heights: &'a HeightMap,
+    relief: &'a CubeRelief,
     radii: &'a Radii,
     /// Cells' coordinates at s = 0, slope and reciprocal slope, neither 0.
     pub origin: [f64; 2],
@@ -45,8 +47,8 @@ pub(super) struct Segment<'a> {
     pub inverse: [f64; 2],
     /// q at s = 0 and its slope.
     q: [f64; 2],
-    /// The gap at both ends.
-    gaps: [f64; 2],
+    /// The points at both ends, each as one face sees it: the same for both its segments.
+    ends: [Over; 2],
     /// Parameters of the ray at both ends, from the start of its part.
     t: [f64; 2],
 }
@@ -56,10 +58,9 @@ pub(super) struct Segments<'a> {
     relief: &'a CubeRelief,
     radii: &'a Radii,
     part: Part,
-    /// Where the next segment begins.
-    face: CubeFace,
+    /// Where the next segment begins: as its face sees it, and as the one before does.
     over: Over,
-    gap: f64,
+    seen: Over,
     t: f64,
     left: u32,
 }
@@ -67,16 +68,18 @@ pub(super) struct Segments<'a> {
 impl<'a> Segments<'a> {
     #[inline(always)]
     pub fn new(relief: &'a CubeRelief, radii: &'a Radii, part: Part) -> Self {
-        let face = CubeFace::towards(part.start);
-        let over = over(radii, face, part.start);
-        let gap = gap_at(radii, relief.face(face).heights(), over);
-        Self { relief, radii, part, face, over, gap, t: 0.0, left: 6 }
+        let over = over(radii, CubeFace::towards(part.start), part.start);
+        Self { relief, radii, part, over, seen: over, t: 0.0, left: 6 }
     }
 
-    /// Whether the next segment begins outside of the surface.
+    /// Whether the part begins outside of the surface.
     #[inline(always)]
     pub fn starts_outside(&self) -> bool {
-        self.gap > 0.0
+        match self.part.from {
+            Beginning::Roof => true,
+            Beginning::Floor => false,
+            Beginning::Origin => gap_at(self.relief, self.radii, &self.over) > 0.0,
+        }
     }
 
     #[inline(always)]
@@ -85,27 +88,25 @@ impl<'a> Segments<'a> {
             return None;
         }
         self.left -= 1;
-        let Self { relief, radii, part, face, .. } = *self;
-        let heights = relief.face(face).heights();
-        let exit = self.exit();
-        let (t, here, there) = match exit {
+        let Self { relief, radii, part, .. } = *self;
+        let face = self.over.face;
+        let (t, here, there) = match self.exit() {
             Some((t, next)) => {
                 let (here, there) = edge(radii, (face, next), part.start + t * part.direction);
-                (t, here, Some((next, there)))
+                (t, here, Some(there))
             }
             None => {
                 let end = part.start + part.length * part.direction;
                 (part.length, over(radii, face, end), None)
             }
         };
-        let gap = gap_at(radii, heights, here);
-        let segment = Segment::new((face, heights, radii), [self.over, here], [self.gap, gap])
-            .during([self.t, t]);
+        let segment = Segment::new((relief, radii), [self.over, here])
+            .between([self.seen, here], [self.t, t]);
         match there {
-            Some((next, over)) => (self.face, self.over) = (next, over),
+            Some(over) => self.over = over,
             None => self.left = 0,
         }
-        (self.gap, self.t) = (gap, t);
+        (self.seen, self.t) = (here, t);
         Some(segment)
     }
 
@@ -113,10 +114,11 @@ impl<'a> Segments<'a> {
     #[inline(always)]
     fn exit(&self) -> Option<(f64, CubeFace)> {
         let Part { start, direction, length, .. } = self.part;
-        let (axis, sign) = (self.face.axis(), self.face.sign());
+        let face = self.over.face;
+        let (axis, sign) = (face.axis(), face.sign());
         let (along, speed) = (sign * start[axis], sign * direction[axis]);
         let (mut first, mut next) = (length, None);
-        for across in self.face.across() {
+        for across in face.across() {
             for positive in [true, false] {
                 let sign = if positive { 1.0 } else { -1.0 };
                 let gain = sign * direction[across] - speed;
@@ -137,7 +139,7 @@ impl<'a> Segments<'a> {
 fn over(radii: &Radii, face: CubeFace, point: DVec3) -> Over {
     let n = f64::from(radii.cells);
     let [x, y, z] = face.to_frame(point);
-    Over { at: [cells(n, x / z), cells(n, y / z)], q: n / z }
+    Over { face, at: [cells(n, x / z), cells(n, y / z)], q: n / z }
 }
 
 /// A point on the edge between two faces as seen from both.
@@ -150,7 +152,7 @@ fn edge(radii: &Radii, (here, there): (CubeFace, CubeFace), point: DVec3) -> (Ov
         let at = from
             .across()
             .map(|axis| if axis == to.axis() { border } else { cells(n, point[axis] / z) });
-        Over { at, q: n / z }
+        Over { face: from, at, q: n / z }
     };
     (seen(here, there), seen(there, here))
 }
@@ -162,21 +164,29 @@ fn cells(n: f64, a: f64) -> f64 {
 }
 
 /// The gap at a point over a face.
-#[inline(always)]
-fn gap_at(radii: &Radii, heights: &HeightMap, over: Over) -> f64 {
+#[inline(never)]
+fn gap_at(relief: &CubeRelief, radii: &Radii, over: &Over) -> f64 {
     let cell = over.at.map(|c| (c as u32).min(radii.cells - 1));
     let local = [over.at[0] - f64::from(cell[0]), over.at[1] - f64::from(cell[1])];
-    let corners = radii.corners(cell, heights.stored_corners(cell[0], cell[1]));
+    let corners = radii.corners(cell, raw_corners(relief, over.face, cell));
     bilinear(&corners, local) - over.q
+}
+
+/// Raw heights at the corners h00, h10, h01, h11 of a cell.
+#[inline(always)]
+fn raw_corners(relief: &CubeRelief, face: CubeFace, [i, j]: [u32; 2]) -> [f32; 4] {
+    let across = relief.cells() as usize + 1;
+    let low = j as usize * across + i as usize;
+    let high = low + across;
+    match relief.face(face).heights().samples() {
+        Samples::U16(v) => [v[low], v[low + 1], v[high], v[high + 1]].map(f32::from),
+        Samples::F32(v) => [v[low], v[low + 1], v[high], v[high + 1]],
+    }
 }
 
 impl<'a> Segment<'a> {
     #[inline(always)]
-    fn new(
-        (face, heights, radii): (CubeFace, &'a HeightMap, &'a Radii),
-        [from, to]: [Over; 2],
-        gaps: [f64; 2],
-    ) -> Self {
+    fn new((relief, radii): (&'a CubeRelief, &'a Radii), [from, to]: [Over; 2]) -> Self {
         let mut slope = [to.at[0] - from.at[0], to.at[1] - from.at[1]];
         let mut inverse = [0.0; 2];
         for k in 0..2 {
@@ -188,12 +198,14 @@ impl<'a> Segment<'a> {
             inverse[k] = if exact > 0.0 { exact.next_up() } else { exact.next_down() };
         }
         let q = [from.q, to.q - from.q];
-        Self { face, heights, radii, origin: from.at, slope, inverse, q, gaps, t: [0.0; 2] }
+        let (face, origin, ends) = (from.face, from.at, [from, to]);
+        Self { face, relief, radii, origin, slope, inverse, q, ends, t: [0.0; 2] }
     }
 
+    /// With its ends as gaps are to be computed there, and the ray's parameters.
     #[inline(always)]
-    fn during(self, t: [f64; 2]) -> Self {
-        Self { t, ..self }
+    fn between(self, ends: [Over; 2], t: [f64; 2]) -> Self {
+        Self { ends, t, ..self }
     }
 }
 
@@ -263,6 +275,18 @@ impl Segment<'_> {
         ((self.origin[axis] - f64::from(i)) + s * self.slope[axis]).clamp(0.0, 1.0)
     }
 
+    /// The gap at one of the ends.
+    #[inline(always)]
+    fn gap_at(&self, end: usize) -> f64 {
+        gap_at(self.relief, self.radii, &self.ends[end])
+    }
+
+    /// q at the corners of a cell.
+    #[inline(always)]
+    fn corners(&self, cell: [u32; 2]) -> [f64; 4] {
+        self.radii.corners(cell, raw_corners(self.relief, self.face, cell))
+    }
+
     /// The first root in a cell.
     #[inline(always)]
     pub fn meet(&self, cell: [u32; 2]) -> Option<Root> {
@@ -283,13 +307,13 @@ impl Segment<'_> {
             a[k] = if near[k] >= s0 { 1.0 - ahead[k] } else { self.local(k, cell[k], s0) };
             b[k] = if far[k] <= s1 { ahead[k] } else { self.local(k, cell[k], s1) };
         }
-        let corners = self.radii.corners(cell, self.heights.stored_corners(cell[0], cell[1]));
+        let corners = self.corners(cell);
         let (qa, qb) = (self.q(s0), self.q(s1));
         let across = bilinear(&corners, [a[0], b[1]]) + bilinear(&corners, [b[0], a[1]]);
         let gap = Gap {
-            b0: if s0 == 0.0 { self.gaps[0] } else { bilinear(&corners, a) - qa },
+            b0: if s0 == 0.0 { self.gap_at(0) } else { bilinear(&corners, a) - qa },
             b1: 0.5 * (across - (qa + qb)),
-            b2: if s1 == 1.0 { self.gaps[1] } else { bilinear(&corners, b) - qb },
+            b2: if s1 == 1.0 { self.gap_at(1) } else { bilinear(&corners, b) - qb },
         };
         let (at, outside) = gap.first_root()?;
         Some(Root { s: (s0 + at * (s1 - s0)).min(s1), cell, outside })
@@ -299,8 +323,7 @@ impl Segment<'_> {
     #[inline(always)]
     pub fn place(&self, root: &Root) -> ([f64; 2], f64) {
         let local = [0, 1].map(|k| self.local(k, root.cell[k], root.s));
-        let [i, j] = root.cell;
-        let corners = self.radii.corners(root.cell, self.heights.stored_corners(i, j));
+        let corners = self.corners(root.cell);
         let (surface, ray) = (bilinear(&corners, local), self.q(root.s));
         (local, (surface / ray - 1.0).abs())
     }

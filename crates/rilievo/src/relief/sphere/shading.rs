@@ -4,9 +4,10 @@
 //! of the gap, in the face's frame and up to length, is
 //! `(Q_A, Q_B, (Q - A Q_A - B Q_B) / n)`; it points outward.
 //!
-//! **Smooth.** Every lattice point has the cross product of the central differences of its neighbours'
-//! positions, over the edge of the face where it lies on one; between the points these are
-//! interpolated. On a common edge both faces have the same normals.
+//! **Smooth.** Every lattice point has the normal that this gradient gives with central differences of
+//! `q`, or, on the edges of the cube, the cross product of central differences of its neighbours'
+//! positions on both faces; between the points these are interpolated. A point has one normal,
+//! whichever face asks.
 
 use glam::DVec3;
 
@@ -44,18 +45,40 @@ impl Shading<'_> {
     /// The smooth unit normal.
     pub fn smooth_normal(&self) -> DVec3 {
         let n = self.radii.cells;
-        let corner = |di: u32, dj: u32| {
-            let at = [self.cell[0] + di, self.cell[1] + dj];
-            self.vertex_normal(self.face.lattice_point(n, at))
+        let inner = self.cell.iter().all(|&c| c >= 1 && c + 1 < n);
+        let corners = if inner {
+            self.inner_normals()
+        } else {
+            [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[di, dj]| {
+                let at = [self.cell[0] + di, self.cell[1] + dj];
+                self.vertex_normal(self.face.lattice_point(n, at))
+            })
         };
         let [x, y] = self.local;
-        let low = corner(0, 0).lerp(corner(1, 0), x);
-        let high = corner(0, 1).lerp(corner(1, 1), x);
+        let (low, high) = (corners[0].lerp(corners[1], x), corners[2].lerp(corners[3], x));
         low.lerp(high, y).normalize_or(DVec3::Z)
     }
 
-    /// Normal of a point of the cube: central differences, or the mean over the three edges of a
-    /// corner.
+    /// Normals at the corners of a cell none of which lies on an edge of the cube.
+    fn inner_normals(&self) -> [DVec3; 4] {
+        let n = self.radii.cells;
+        let first = [self.cell[0] - 1, self.cell[1] - 1];
+        let heights = self.relief.face(self.face).heights();
+        let [x, y, z] = cube_direction(n, [first[0], first[1], n]);
+        let mut q = [0.0; 16];
+        for (k, q) in (0..).zip(&mut q) {
+            let (a, b) = (x + 2.0 * f64::from(k % 4), y + 2.0 * f64::from(k / 4));
+            let raw = f64::from(heights.raw(first[0] + k % 4, first[1] + k / 4));
+            *q = (z * z + (a * a + b * b)).sqrt() / self.radii.radius(raw);
+        }
+        [5, 6, 9, 10].map(|k: usize| {
+            let at = [x + 2.0 * (k % 4) as f64, y + 2.0 * (k / 4) as f64];
+            let around = [q[k - 1], q[k + 1], q[k - 4], q[k + 4]];
+            self.face.from_frame(gradient(n, at, q[k], around)).normalize_or(DVec3::Z)
+        })
+    }
+
+    /// Normal of a point of the cube; at a corner the mean over its three edges.
     fn vertex_normal(&self, point: [u32; 3]) -> DVec3 {
         let n = self.radii.cells;
         let on_face = |axis: usize| point[axis] == 0 || point[axis] == n;
@@ -79,21 +102,32 @@ impl Shading<'_> {
                 let [a, b] = [(along + 1) % 3, (along + 2) % 3];
                 (inward(a) - inward(b)).cross(step(along, true) - step(along, false))
             }
-            _ => {
-                let axis = (0..3).find(|&axis| on_face(axis)).unwrap_or(0);
-                let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
-                (step(a, true) - step(a, false)).cross(step(b, true) - step(b, false))
-            }
+            _ => return self.face_normal(point),
         };
         let normal = normal.normalize_or(DVec3::ZERO);
         if normal.dot(outward) < 0.0 { -normal } else { normal }
     }
 
+    /// Normal of a point of the cube inside a face.
+    fn face_normal(&self, point: [u32; 3]) -> DVec3 {
+        let n = self.radii.cells;
+        let face = face_of(n, point);
+        let heights = self.relief.face(face).heights();
+        let [i, j] = face.across().map(|axis| point[axis]);
+        let q = |i: u32, j: u32| {
+            let [a, b, z] = cube_direction(n, [i, j, n]);
+            let radius = self.radii.radius(f64::from(heights.raw(i, j)));
+            (z * z + (a * a + b * b)).sqrt() / radius
+        };
+        let [a, b, _] = cube_direction(n, [i, j, n]);
+        let around = [q(i - 1, j), q(i + 1, j), q(i, j - 1), q(i, j + 1)];
+        face.from_frame(gradient(n, [a, b], q(i, j), around)).normalize_or(DVec3::Z)
+    }
+
     /// Position of a point of the cube on the surface, relative to the centre.
     fn position(&self, point: [u32; 3]) -> DVec3 {
         let n = self.radii.cells;
-        let axis = (0..3).find(|&axis| point[axis] == 0 || point[axis] == n).unwrap_or(0);
-        let face = CubeFace::new(axis, point[axis] == n);
+        let face = face_of(n, point);
         let [i, j] = face.across().map(|axis| point[axis]);
         let raw = f64::from(self.relief.face(face).heights().raw(i, j));
         let along = DVec3::from_array(cube_direction(n, point));
@@ -109,4 +143,19 @@ impl Shading<'_> {
         let normal = normal.x * east + normal.y * north + normal.z.max(1e-9) * outward;
         normal.normalize_or(outward)
     }
+}
+
+/// A face that has a point of the cube.
+fn face_of(n: u32, point: [u32; 3]) -> CubeFace {
+    let axis = (0..3).find(|&axis| point[axis] == 0 || point[axis] == n).unwrap_or(0);
+    CubeFace::new(axis, point[axis] == n)
+}
+
+/// The gradient of the gap at a lattice point of direction (a, b, n), from q there and before and after
+/// it along both axes.
+#[inline]
+fn gradient(n: u32, [a, b]: [f64; 2], q: f64, around: [f64; 4]) -> [f64; 3] {
+    // From one neighbour to the other A and B grow by 4.
+    let (along_a, along_b) = (0.25 * (around[1] - around[0]), 0.25 * (around[3] - around[2]));
+    [along_a, along_b, (q - a * along_a - b * along_b) / f64::from(n)]
 }
