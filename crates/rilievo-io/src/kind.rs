@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, Place, Result};
-use crate::image::ImageFormat;
+use crate::image::{ImageFormat, Udim};
 use crate::map_file;
 use crate::mesh::MeshFormat;
 
@@ -23,11 +23,14 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// The kind of the file `path`.
+    /// The kind of the file `path`; of an image in tiles, of the first of them.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Unsupported`] for a file that is none of them.
     pub fn of(path: &Path) -> Result<Self> {
+        if let Some(tiles) = Udim::find(path)? {
+            return Self::of(tiles.first());
+        }
         let mut head = Vec::new();
         let file = File::open(path).map_err(|e| Error::io(path, e))?;
         file.take(64).read_to_end(&mut head).map_err(|e| Error::io(path, e))?;

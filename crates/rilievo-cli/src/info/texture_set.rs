@@ -3,7 +3,7 @@
 
 use rilievo_io::Limits;
 use rilievo_io::image::HeightOptions;
-use rilievo_io::texture_set::{MapRole, SetMap, TextureSet};
+use rilievo_io::texture_set::{MapRole, SetMap, TextureSet, Told};
 use serde::Serialize;
 
 use super::agreement;
@@ -32,8 +32,8 @@ struct MapReport {
     height: u32,
     channels: u32,
     file_bits: u32,
-    /// Whether its name says the role.
-    named: bool,
+    /// What told its role: `name`, `MaterialX` or `nothing`.
+    told: &'static str,
     /// What the name of a normal map says of green.
     convention: Option<&'static str>,
 }
@@ -56,7 +56,11 @@ impl From<&SetMap> for MapReport {
             height: map.image.height,
             channels: map.image.channels,
             file_bits: map.image.file_bits,
-            named: map.named,
+            told: match map.told {
+                Told::Name => "name",
+                Told::Document => "MaterialX",
+                Told::Nothing => "nothing",
+            },
             convention: map.convention.map(name::convention),
         }
     }

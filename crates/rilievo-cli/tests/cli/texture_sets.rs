@@ -117,3 +117,37 @@ fn scenes_name_folders_where_they_name_files() {
         assert!(run.stderr.contains(want) && run.stderr.contains("bad.toml:"), "{}", run.stderr);
     }
 }
+
+/// Two tiles side by side are what their numbers say: uv from 0 to 2.
+#[test]
+fn tiles_lie_on_their_own_squares_of_uv() {
+    let folder = Folder::new();
+    let codes = |high: u16| [[high; 8], [0; 8]].concat();
+    write_png_grey16(&folder.path("a_1001.png"), [4, 4], &codes(60000)).unwrap();
+    write_png_grey16(&folder.path("a_1002.png"), [4, 4], &codes(20000)).unwrap();
+    let both: Vec<u16> = codes(60000)
+        .chunks(4)
+        .zip(codes(20000).chunks(4))
+        .flat_map(|(a, b)| [a, b].concat())
+        .collect();
+    write_png_grey16(&folder.path("both.png"), [8, 4], &both).unwrap();
+    let scene = |file: &str, tile: f64| {
+        format!(
+            "[camera]\nposition = [1, -2, 3]\nlook_at = [1, 0.5, 0]\nresolution = [48, 36]\n\
+             [render]\nambient = [1, 1, 1]\nsamples = 1\n[maps.a]\nfile = \"{file}\"\n[materials.a]\n\
+             texture = {{ file = \"{file}\", tile = [{tile}, 1] }}\n[[shapes]]\ntype = \"quad\"\n\
+             corners = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]\nmaterial = \"a\"\n\
+             displacement = {{ map = \"a\", scale = 0.3, tile = [{tile}, 1] }}\n"
+        )
+    };
+    folder.write("tiles.toml", &scene("a_<UDIM>.png", 2.0));
+    folder.write("both.toml", &scene("both.png", 1.0));
+    for name in ["tiles", "both"] {
+        folder.run(&format!("render {name}.toml -o {name}.exr")).expect(0);
+    }
+    folder.run("diff tiles.exr both.exr").expect(0);
+    let check = folder.run("check tiles.toml --json").expect(0).json();
+    assert_eq!(check["files"].as_u64(), Some(2));
+    let run = folder.run("info a_<UDIM>.png --json").expect(0).json();
+    assert_eq!((run["width"].as_u64(), run["height"].as_u64()), (Some(8), Some(4)));
+}

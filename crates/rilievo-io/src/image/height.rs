@@ -17,6 +17,7 @@ use rilievo::map::{HeightMap, HeightMapError, Lattice, Samples, Wrap};
 
 use super::decode;
 use super::source::{Context, Flow, ImageInfo, Row, SampleKind, Sink, Source};
+use super::udim::{Mosaic, Udim};
 use crate::error::{Error, Place, Result};
 use crate::limits::Limits;
 
@@ -44,7 +45,7 @@ impl HeightOptions {
     /// # Errors
     /// Of the file, its format or its size; a sample that is not finite, with its place.
     pub fn read(&self, path: &Path, limits: &Limits) -> Result<HeightMap> {
-        self.decode_from(Source::open(path, limits)?)
+        self.read_with_voids(path, limits).map(|(map, _)| map)
     }
 
     /// Reads a height map from bytes; `name` is what errors call them.
@@ -60,7 +61,41 @@ impl HeightOptions {
     /// # Errors
     /// As [`HeightOptions::read`].
     pub fn read_with_voids(&self, path: &Path, limits: &Limits) -> Result<(HeightMap, u64)> {
+        if let Some(tiles) = Udim::find(path)? {
+            return self.read_tiles(path, &tiles, limits);
+        }
         self.decode_with_voids(Source::open(path, limits)?)
+    }
+
+    /// Puts the tiles of `path` together.
+    fn read_tiles(&self, path: &Path, tiles: &Udim, limits: &Limits) -> Result<(HeightMap, u64)> {
+        let (first, mut voids) = self.read_with_voids(tiles.first(), limits)?;
+        let size = [first.width(), first.height()];
+        let sample = first.samples().bytes() / first.samples().len() as u64;
+        let sides = [tiles.columns, tiles.rows, size[0], size[1]].map(u64::from);
+        limits.check(path, Place::File, "the tiles", &[&sides[..], &[sample]].concat())?;
+        let mut codes = Mosaic::new(tiles, if sample == 2 { size } else { [0; 2] }, 0_u16);
+        let mut heights = Mosaic::new(tiles, if sample == 4 { size } else { [0; 2] }, 0_f32);
+        for (column, row, file) in &tiles.tiles {
+            let (map, found) = self.read_with_voids(file, limits)?;
+            voids += found;
+            if [map.width(), map.height()] != size {
+                return Err(Udim::uneven(file, [map.width(), map.height()], size));
+            }
+            match (map.samples(), first.samples()) {
+                (Samples::U16(tile), Samples::U16(_)) => codes.put([*column, *row], tile),
+                (Samples::F32(tile), Samples::F32(_)) => heights.put([*column, *row], tile),
+                _ => return Err(Udim::uneven(file, size, size)),
+            }
+        }
+        let samples = match first.samples() {
+            Samples::U16(_) => Samples::U16(codes.finish()),
+            Samples::F32(_) => Samples::F32(heights.finish()),
+        };
+        let [width, height] = [tiles.columns * size[0], tiles.rows * size[1]];
+        HeightMap::new(width, height, samples, self.lattice, self.wrap)
+            .map(|map| (map, voids))
+            .map_err(|e| refused(Context { path, limits }, height, e))
     }
 
     fn decode_from(&self, source: Source<'_>) -> Result<HeightMap> {

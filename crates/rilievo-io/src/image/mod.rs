@@ -30,6 +30,7 @@ mod read_channels;
 mod source;
 mod terrain;
 mod tiff;
+mod udim;
 mod write_exr;
 mod write_png;
 
@@ -41,6 +42,8 @@ pub use height::HeightOptions;
 pub use normal::NormalOptions;
 pub use source::{ImageInfo, SampleKind};
 pub use terrain::Terrain;
+pub use udim::Udim;
+pub(crate) use udim::{MARK, number};
 pub use write_exr::{Picture, PictureChannel};
 pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 
@@ -136,11 +139,18 @@ fn decode(mut source: Source<'_>, sink: &mut dyn Sink) -> Result<()> {
     })
 }
 
-/// Reads the header of an image and nothing else.
+/// Reads the header of an image and nothing else; of an image in tiles ([`Udim`]), of the first of
+/// them.
 ///
 /// # Errors
 /// As the readers, for what the header shows.
 pub fn read_image_info(path: &Path, limits: &Limits) -> Result<ImageInfo> {
+    if let Some(tiles) = Udim::find(path)? {
+        let first = info_of(Source::open(tiles.first(), limits)?)?;
+        let width = first.width.saturating_mul(tiles.columns);
+        let height = first.height.saturating_mul(tiles.rows);
+        return Ok(ImageInfo { width, height, ..first });
+    }
     info_of(Source::open(path, limits)?)
 }
 

@@ -23,6 +23,7 @@ use super::ImageFormat;
 use super::grid::GridHeader;
 use super::raw::RawHeader;
 use super::source::Source;
+use super::udim::Udim;
 use crate::error::{Error, Result};
 use crate::guard::guarded;
 use crate::limits::Limits;
@@ -56,6 +57,10 @@ impl Terrain {
     /// # Errors
     /// Of the file or its header.
     pub fn read(path: &Path, limits: &Limits) -> Result<Option<Self>> {
+        // Tiles of a texture lie on uv, not on the ground.
+        if Udim::find(path)?.is_some() {
+            return Ok(None);
+        }
         let mut source = Source::open(path, limits)?;
         let format = source.format()?;
         let Source { context, mut input } = source;

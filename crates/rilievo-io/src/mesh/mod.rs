@@ -140,6 +140,19 @@ impl Model {
     }
 }
 
+/// Reads the materials of an MTL file from bytes; `name` is what errors call them, and beside it
+/// images are looked for.
+///
+/// # Errors
+/// A line that is wrong; more materials than the limits allow.
+pub fn read_materials_bytes(
+    bytes: &[u8],
+    name: &Path,
+    limits: &Limits,
+) -> Result<Vec<ModelMaterial>> {
+    mtl::read(bytes, name, limits)
+}
+
 /// Reads a mesh, whatever its materials.
 ///
 /// # Errors

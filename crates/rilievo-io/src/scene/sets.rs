@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 use rilievo::glam::DVec2;
 use rilievo::map::{Lattice, Layout, NormalConvention, Wrap};
+use rilievo::relief::Displacement;
 
 use super::file::{
     Diffuse, DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, QuadEntry, SceneFile,
@@ -19,7 +20,7 @@ use super::file::{
 };
 use super::syntax::Located;
 use crate::error::{Error, Result};
-use crate::image::HeightOptions;
+use crate::image::{HeightOptions, MARK, Udim};
 use crate::limits::Limits;
 use crate::texture_set::{Assumed, MapRole, TextureSet};
 
@@ -101,7 +102,45 @@ impl SceneFile {
                 *slot = entry;
             }
         }
+        if self.names_tiles() || !sets.found.is_empty() {
+            file = Cow::Owned(file.with_spread_tiles()?);
+        }
         Ok((file, sets.notes))
+    }
+
+    /// Whether a path of the scene stands for tiles.
+    fn names_tiles(&self) -> bool {
+        self.text.contains(MARK)
+    }
+
+    /// The scene with images in tiles laid over as many units of uv as they have tiles.
+    fn with_spread_tiles(&self) -> Result<Self> {
+        let tiles = |file: &Located<String>| {
+            let found = Udim::find(&self.beside(&file.value));
+            let found = found.map_err(|e| self.referenced(file, "tiles", e))?;
+            Ok::<_, Error>(found.map(|t| DVec2::new(f64::from(t.columns), f64::from(t.rows))))
+        };
+        let mut spread = self.clone();
+        for (_, material) in &mut spread.materials {
+            if let Diffuse::Texture(texture) = &mut material.diffuse
+                && let Some(count) = tiles(&texture.file)?
+            {
+                texture.tile /= count;
+                texture.shift /= count;
+            }
+        }
+        for shape in &mut spread.shapes {
+            let Some(entry) = shape.shape.displacement_mut() else { continue };
+            let map = self.maps.iter().find(|(name, _)| name.value == entry.map.value);
+            if let Some((_, MapEntry { source: MapSource::File { file, .. }, .. })) = map
+                && let Some(count) = tiles(file)?
+            {
+                let Displacement { tile, shift, .. } = &mut entry.displacement;
+                *tile = (DVec2::from(*tile) / count).into();
+                *shift = (DVec2::from(*shift) / count).into();
+            }
+        }
+        Ok(spread)
     }
 
     /// Lets the map of a displacement name the file `path`: the map `written` in the scene, or a new
@@ -169,8 +208,9 @@ impl Sets<'_> {
             let allowed = format!("a folder with a map for {}", role.name());
             return Err(self.file.fault(&name.at, role.name(), "not in the set", &allowed));
         };
-        let file = map.path.file_name().unwrap_or_default().to_string_lossy();
-        Ok(format!("{}{file}", name.value))
+        // A MaterialX file may name maps in other folders.
+        let file = map.path.strip_prefix(&set.folder).unwrap_or(&map.path);
+        Ok(format!("{}{}", name.value, file.display()))
     }
 
     /// What is assumed of the set `name`.

@@ -3,28 +3,27 @@
 //! Which file is what is told by its name (see [`naming`]); of several files for one role the
 //! largest is taken, of equal ones that with more bits. Where no name says displacement, the
 //! largest image of one channel that no other role claims is taken for it: folders of terrain are
-//! so.
-//!
-//! **What is assumed.** A folder does not say how deep its displacement is, nor which height stays
-//! in place. [`TextureSet::assumed`] takes 0.5 for the zero level, as these libraries make their
-//! maps, and for the depth what the author's normal map says, where it agrees with the heights
-//! (see [`NormalAgreement`]) and says 1 to 30 % of the map's width; otherwise 5 %. A map of numbers
-//! or metres is brought to 10 % of the width from its lowest to its highest sample. All of it is
-//! reported, none of it is hidden.
+//! so. A MaterialX file in the folder ([`MaterialX`]) goes before names.
 
+mod assumed;
+mod material_x;
 mod naming;
 mod presentation;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rilievo::map::{HeightMap, NormalAgreement, NormalConvention, Samples};
+use rilievo::map::{HeightMap, NormalAgreement, NormalConvention};
 
+pub use assumed::Assumed;
+pub use material_x::{MaterialX, WrittenDisplacement};
 pub use naming::MapRole;
 pub(crate) use presentation::ground;
 
 use crate::error::{Error, Place, Result};
-use crate::image::{HeightOptions, ImageInfo, NormalOptions, SampleKind, read_image_info};
+use crate::image::{
+    HeightOptions, ImageInfo, MARK, NormalOptions, SampleKind, number, read_image_info,
+};
 use crate::limits::Limits;
 
 /// Endings of files that are looked at.
@@ -32,16 +31,17 @@ const ENDINGS: [&str; 12] =
     ["png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "asc", "hgt", "bil", "r16", "r32"];
 /// Most entries of a folder.
 const MAX_ENTRIES: usize = 10_000;
-/// The height that stays in place without a better word for it.
-const ZERO: f64 = 0.5;
-/// Depth without a better word for it, in widths of the map.
-const DEPTH: f64 = 0.05;
-/// Depth of a map of numbers or metres from its lowest to its highest sample.
-const TERRAIN_DEPTH: f64 = 0.1;
-/// Depths that are believed when normals say so.
-const BELIEVED: std::ops::RangeInclusive<f64> = 0.01..=0.3;
-/// Correlation of slopes from which normals and heights are of the same relief.
-const SAME_RELIEF: f64 = 0.5;
+
+/// What tells the role of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// Its name.
+    Name,
+    /// A MaterialX file in the folder.
+    Document,
+    /// Nothing: it is what was left.
+    Nothing,
+}
 
 /// A map of a set.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,8 +52,8 @@ pub struct SetMap {
     pub path: PathBuf,
     /// Of a normal map: what its name says of green.
     pub convention: Option<NormalConvention>,
-    /// Whether its role was told by its name; otherwise it is what was left.
-    pub named: bool,
+    /// What told its role.
+    pub told: Told,
     /// Its header.
     pub image: ImageInfo,
 }
@@ -67,21 +67,8 @@ pub struct TextureSet {
     pub maps: Vec<SetMap>,
     /// Images that were not taken, and why.
     pub passed_over: Vec<(PathBuf, &'static str)>,
-}
-
-/// What is assumed of a set's displacement.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Assumed {
-    /// The height that stays in place.
-    pub zero: f64,
-    /// Displacement of a height of 1, in widths of the map.
-    pub scale: f64,
-    /// Whether black is high.
-    pub invert: bool,
-    /// Where scale and invert come from, in words.
-    pub why: String,
-    /// How the author's normal map agrees, if there is one.
-    pub agreement: Option<NormalAgreement>,
+    /// What a MaterialX file of the folder says of the displacement, one width a scene unit.
+    pub written: Option<WrittenDisplacement>,
 }
 
 impl TextureSet {
@@ -90,19 +77,31 @@ impl TextureSet {
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] for a folder without an image whose role can be told.
     pub fn find(folder: &Path, limits: &Limits) -> Result<Self> {
-        let mut set = Self { folder: folder.to_owned(), maps: Vec::new(), passed_over: Vec::new() };
+        let mut set = Self {
+            folder: folder.to_owned(),
+            maps: Vec::new(),
+            passed_over: Vec::new(),
+            written: None,
+        };
+        let (images, documents) = files(folder)?;
+        set.take_document(&documents, limits)?;
         let mut unnamed = Vec::new();
         let mut ranked: Vec<(bool, SetMap)> = Vec::new();
-        for path in images(folder)? {
+        for path in images {
+            if set.maps.iter().any(|map| map.path == path) {
+                continue;
+            }
             let Ok(image) = read_image_info(&path, limits) else {
                 set.passed_over.push((path, "cannot be read"));
                 continue;
             };
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let stem = stem.replace(MARK, "");
             match naming::meaning(&stem) {
                 Some(m) => {
                     let (role, convention) = (m.role, m.convention);
-                    let map = SetMap { role, path, convention, named: true, image };
+                    let told = Told::Name;
+                    let map = SetMap { role, path, convention, told, image };
                     ranked.push((m.vague, map));
                 }
                 None => unnamed.push((path, image)),
@@ -126,6 +125,25 @@ impl TextureSet {
         Ok(set)
     }
 
+    /// Takes what the first MaterialX file names.
+    fn take_document(&mut self, documents: &[PathBuf], limits: &Limits) -> Result<()> {
+        let Some(path) = documents.first() else { return Ok(()) };
+        let document = MaterialX::read(path, limits)?;
+        for (role, path) in document.images {
+            match read_image_info(&path, limits) {
+                Ok(image) => {
+                    let told = Told::Document;
+                    self.maps.push(SetMap { role, path, convention: None, told, image });
+                    if role == MapRole::Displacement {
+                        self.written = document.displacement;
+                    }
+                }
+                Err(_) => self.passed_over.push((path, "named by MaterialX, cannot be read")),
+            }
+        }
+        Ok(())
+    }
+
     /// Takes the largest grey image for the displacement, if nothing else is it.
     fn take_unnamed(&mut self, unnamed: Vec<(PathBuf, ImageInfo)>) {
         let has_heights = self.map(MapRole::Displacement).is_some();
@@ -136,7 +154,8 @@ impl TextureSet {
         for (path, image) in unnamed {
             if Some(&path) == grey.as_ref() {
                 let role = MapRole::Displacement;
-                self.maps.push(SetMap { role, path, convention: None, named: false, image });
+                let told = Told::Nothing;
+                self.maps.push(SetMap { role, path, convention: None, told, image });
             } else {
                 self.passed_over.push((path, "its name says no role"));
             }
@@ -150,7 +169,11 @@ impl TextureSet {
         let folder = self.folder.display().to_string();
         self.maps.iter().map(move |map| {
             let ImageInfo { width, height, file_bits, .. } = map.image;
-            let why = if map.named { "" } else { ", for want of a name" };
+            let why = match map.told {
+                Told::Name => "",
+                Told::Document => ", by MaterialX",
+                Told::Nothing => ", for want of a name",
+            };
             let (file, role) = (name(&map.path), map.role.name());
             format!("{folder}: {role}: {file}, {width} x {height}, {file_bits} bit{why}")
         })
@@ -197,59 +220,6 @@ impl TextureSet {
         let normals = options.read(&map.path, limits)?;
         Ok(Some(NormalAgreement::of(heights, &normals)))
     }
-
-    /// What is assumed of the displacement, for heights that were read without `invert`.
-    ///
-    /// # Errors
-    /// Of the normal map's file.
-    pub fn assumed(&self, heights: &HeightMap, limits: &Limits) -> Result<Assumed> {
-        let agreement = self.agreement(heights, limits)?;
-        let mut assumed = Assumed::of(heights, &self.displacement()?.path);
-        assumed.agreement = agreement;
-        if is_measured(heights, &self.displacement()?.path) {
-            return Ok(assumed);
-        }
-        if let Some(a) = agreement {
-            let same = a.correlation.iter().all(|c| c.abs() >= SAME_RELIEF);
-            assumed.invert = same && a.inverted;
-            if !same {
-                assumed.why = "the normal map is of another relief: the usual depth".to_owned();
-            } else if BELIEVED.contains(&a.depth) {
-                assumed.scale = a.depth;
-                assumed.why = "the depth that the normal map fits".to_owned();
-            } else {
-                assumed.why = format!(
-                    "the normal map fits a depth of {:.4}, which is not believed: the usual one",
-                    a.depth
-                );
-            }
-        }
-        Ok(assumed)
-    }
-}
-
-impl Assumed {
-    /// What is assumed of heights alone, read from `path`.
-    pub fn of(heights: &HeightMap, path: &Path) -> Self {
-        let (low, high) = heights.raw_range();
-        let [low, high] = [low, high].map(|raw| f64::from(raw) * heights.unit());
-        let (zero, scale, why) = match is_measured(heights, path) && high > low {
-            true => (
-                low,
-                TERRAIN_DEPTH / (high - low),
-                "numbers or metres, from lowest to highest a tenth of the width",
-            ),
-            false => (ZERO, DEPTH, "no word on the depth: the usual one"),
-        };
-        Self { zero, scale, invert: false, why: why.to_owned(), agreement: None }
-    }
-
-    /// The assumptions in one line.
-    pub fn describe(&self) -> String {
-        let Self { zero, scale, .. } = self;
-        let black = if self.invert { "; black is high, as the normal map says" } else { "" };
-        format!("assumed zero {zero}, depth {scale:.6} of the width ({}){black}", self.why)
-    }
 }
 
 impl SetMap {
@@ -269,18 +239,21 @@ impl SetMap {
     }
 }
 
-/// Whether heights are metres or other numbers rather than shares of a depth.
-fn is_measured(heights: &HeightMap, path: &Path) -> bool {
-    let (low, high) = heights.raw_range();
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
-    let numbers = matches!(heights.samples(), Samples::F32(_)) && (low < -1.0 || high > 2.0);
-    numbers || stem.contains("metres") || stem.contains("meters")
+/// The path with `<UDIM>` in place of the number of a tile, if the last word of its stem is one.
+fn tiled(path: PathBuf) -> PathBuf {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let Some((stem, ending)) = name.rsplit_once('.') else { return path };
+    let Some(cut) = stem.rfind(['.', '_', '-']) else { return path };
+    match number(&stem[cut + 1..]) {
+        Some(_) => path.with_file_name(format!("{}{MARK}.{ending}", &stem[..=cut])),
+        None => path,
+    }
 }
 
-/// The images of a folder, by name.
-fn images(folder: &Path) -> Result<Vec<PathBuf>> {
+/// The images and the MaterialX files of a folder, by name.
+fn files(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let fail = |e| Error::io(folder, e);
-    let mut all = Vec::new();
+    let (mut images, mut documents) = (Vec::new(), Vec::new());
     for (count, entry) in fs::read_dir(folder).map_err(fail)?.enumerate() {
         if count == MAX_ENTRIES {
             let found = format!("more than {MAX_ENTRIES} files");
@@ -288,12 +261,16 @@ fn images(folder: &Path) -> Result<Vec<PathBuf>> {
         }
         let path = entry.map_err(fail)?.path();
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        if ENDINGS.contains(&ending.as_str()) && path.is_file() {
-            all.push(path);
+        match ending.as_str() {
+            "mtlx" => documents.push(path),
+            ending if ENDINGS.contains(&ending) && path.is_file() => images.push(tiled(path)),
+            _ => {}
         }
     }
-    all.sort();
-    Ok(all)
+    images.sort();
+    images.dedup();
+    documents.sort();
+    Ok((images, documents))
 }
 
 #[cfg(test)]
@@ -337,10 +314,48 @@ mod tests {
         grey(dir.path(), "somewhere_n40.png", 4);
         rgb(dir.path(), "look.png");
         let set = TextureSet::find(dir.path(), &Limits::default()).unwrap();
-        assert!(!set.displacement().unwrap().named);
+        assert_eq!(set.displacement().unwrap().told, Told::Nothing);
         let heights = set.heights(&HeightOptions::default(), &Limits::default()).unwrap();
         let assumed = set.assumed(&heights, &Limits::default()).unwrap();
-        assert_eq!((assumed.zero, assumed.scale), (0.5, DEPTH));
+        assert_eq!((assumed.zero, assumed.scale), (0.5, 0.05));
+    }
+
+    #[test]
+    fn tiles_are_one_map() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a_disp.1001.png", "a_disp.1002.png", "a_Color_1001.png"] {
+            grey(dir.path(), name, 4);
+        }
+        let set = TextureSet::find(dir.path(), &Limits::default()).unwrap();
+        let displacement = set.displacement().unwrap();
+        assert!(displacement.path.ends_with("a_disp.<UDIM>.png"));
+        assert_eq!((displacement.image.width, displacement.image.height), (8, 4));
+        assert!(set.map(MapRole::Albedo).unwrap().path.ends_with("a_Color_<UDIM>.png"));
+        assert_eq!((set.maps.len(), set.passed_over.len()), (2, 0));
+    }
+
+    #[test]
+    fn a_materialx_file_goes_before_names() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path();
+        fs::create_dir(folder.join("tex")).unwrap();
+        grey(folder, "tex/one.png", 4);
+        grey(folder, "a_disp.png", 8);
+        rgb(folder, "a_color.png");
+        let text = r#"<materialx><image name="i" type="float"><input name="file" value="tex/one.png"/></image>
+            <displacement name="d"><input name="displacement" nodename="i"/>
+            <input name="scale" value="0.25"/></displacement></materialx>"#;
+        fs::write(folder.join("a.mtlx"), text).unwrap();
+        let limits = Limits::default();
+        let set = TextureSet::find(folder, &limits).unwrap();
+        let displacement = set.displacement().unwrap();
+        assert!(displacement.path.ends_with("tex/one.png") && displacement.told == Told::Document);
+        assert_eq!(set.map(MapRole::Albedo).unwrap().told, Told::Name);
+        let heights = set.heights(&HeightOptions::default(), &limits).unwrap();
+        let assumed = set.assumed(&heights, &limits).unwrap();
+        assert_eq!((assumed.scale, assumed.zero), (0.25, 0.0));
+        fs::write(folder.join("a.mtlx"), "<").unwrap();
+        assert!(TextureSet::find(folder, &limits).is_err());
     }
 
     #[test]
