@@ -5,7 +5,7 @@ use std::io::Write;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use rilievo::map::{CubeHeights, Lattice, Layout, Wrap};
+use rilievo::map::{CubeHeights, Lattice, Layout, Tiling, Wrap};
 use rilievo::relief::{Displacement, Method, ReliefSphere};
 use rilievo::{Hit, Ray, SimdLevel};
 use rilievo_tests::conformance::same_bits;
@@ -287,7 +287,7 @@ fn moon() -> SphereScene {
     let map = Shape::Fbm(5).codes([300, 150], Lattice::Texel, Wrap::Repeat);
     SphereScene {
         name: "moon".to_owned(),
-        heights: CubeHeights::resample(&map).expect("few cells"),
+        heights: CubeHeights::resample(&map, Tiling::default()).expect("few cells"),
         center: DVec3::new(3.0e5, -2.0e5, 1.0e5),
         radius: 1_737_400.0,
         displacement: Displacement { scale: 20_000.0, zero: 0.45, ..Displacement::default() },

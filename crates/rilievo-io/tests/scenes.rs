@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use rilievo::glam::{DVec2, DVec3};
-use rilievo::map::{DistanceKind, Lattice, Samples, Wrap};
+use rilievo::map::{DistanceKind, Lattice, Samples, Tiling, Wrap};
 use rilievo::relief::{Edges, Method, ShadingNormals};
 use rilievo::surface::Surface;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
@@ -153,7 +153,12 @@ fn displaced_spheres_share_their_map_with_quads() {
     let options = LoadOptions { resampling_error: true, ..LoadOptions::default() };
     let loaded = file.load(&options).unwrap();
     let surfaces = loaded.scene.world().surfaces();
-    let [Surface::ReliefSphere(first), Surface::ReliefSphere(second), Surface::Face(_)] = surfaces
+    let [
+        Surface::ReliefSphere(first),
+        Surface::ReliefSphere(second),
+        Surface::Face(_),
+        Surface::ReliefSphere(tiled),
+    ] = surfaces
     else {
         panic!("{surfaces:?}");
     };
@@ -165,8 +170,10 @@ fn displaced_spheres_share_their_map_with_quads() {
     assert_eq!((second.options().method, second.radius()), (Method::Pyramid, 1.0));
     assert!(matches!(second.options().normals, ShadingNormals::Map(_)));
     assert!(std::sync::Arc::ptr_eq(first.relief(), second.relief()));
-    let [noise] = &loaded.sphere_maps[..] else { panic!("{:?}", loaded.sphere_maps) };
+    let [noise, denser] = &loaded.sphere_maps[..] else { panic!("{:?}", loaded.sphere_maps) };
     assert_eq!((noise.name.as_str(), noise.size, noise.relief.cells()), ("noise", [9, 7], 4));
+    assert_eq!((denser.name.as_str(), denser.relief.cells()), ("noise", 8));
+    assert_eq!(tiled.relief().tiling(), Tiling { tile: [3.0, 1.5], shift: [0.5, 0.25] });
     assert!(noise.error.is_some_and(|error| 0.0 < error.rms && error.rms < error.max));
     assert_eq!(loaded.maps.len(), 1);
     let least = Limits { max_bytes: 500 };

@@ -6,7 +6,7 @@ mod rays;
 use std::sync::Arc;
 
 use glam::DVec3;
-use rilievo::map::{CubeHeights, HeightMap, Lattice, Layout, Wrap};
+use rilievo::map::{CubeHeights, HeightMap, Lattice, Layout, Tiling, Wrap};
 use rilievo::relief::{CubeRelief, Displacement, Method, ReliefSphere, SphereOptions};
 use rilievo::{Ray, SimdLevel};
 
@@ -95,10 +95,11 @@ pub fn scenes() -> Vec<SphereScene> {
     for (map_name, map) in maps() {
         for (k, &(place_name, center, radius, displacement)) in places.iter().enumerate() {
             // The densest lattice where there are most rays, odd and coarse ones elsewhere.
-            let cells = [CubeHeights::least_cells(&map), 5, 17, 12, 9, 3][k];
+            let cells = [CubeHeights::least_cells(&map, Tiling::default()), 5, 17, 12, 9, 3][k];
             scenes.push(SphereScene {
                 name: format!("{map_name}, {place_name}"),
-                heights: CubeHeights::with_cells(&map, cells).expect("few cells"),
+                heights: CubeHeights::with_cells(&map, Tiling::default(), cells)
+                    .expect("few cells"),
                 center,
                 radius,
                 displacement,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rilievo::map::{
     CubeHeights, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric, ResamplingError,
+    Tiling,
 };
 use rilievo::relief::{CubeRelief, Method, Relief};
 
@@ -51,19 +52,20 @@ impl Needs {
 pub(super) fn load_cube(
     file: &SceneFile,
     entry: &MapEntry,
+    tiling: &Located<Tiling>,
     options: &LoadOptions<'_>,
 ) -> Result<(Arc<CubeRelief>, [u32; 2], Option<ResamplingError>)> {
     let limits = &options.limits;
     let map = heights(file, entry, limits)?;
-    let place = Place::Text(crate::Excerpt::new(&file.text, entry.at.clone()));
+    let place = Place::Text(crate::Excerpt::new(&file.text, tiling.at.clone()));
     limits.check(
         &file.path,
         place,
         "the map of a sphere",
-        &[CubeHeights::predicted_bytes(&map)],
+        &[CubeHeights::predicted_bytes(&map, tiling.value)],
     )?;
-    let cube = CubeHeights::resample(&map)
-        .map_err(|e| fault(file, &entry.at, "map", e.to_string(), "a map of fewer samples"))?;
+    let cube = CubeHeights::resample(&map, tiling.value)
+        .map_err(|e| fault(file, &tiling.at, "displacement", e.to_string(), ""))?;
     let error = options.resampling_error.then(|| cube.resampling_error(&map));
     let size = [map.width(), map.height()];
     drop(map);

@@ -26,6 +26,7 @@ mod models;
 mod options;
 mod present;
 mod relief_mesh;
+mod relief_sphere;
 mod resolve;
 mod sets;
 mod syntax;
@@ -33,6 +34,7 @@ mod terrain;
 
 pub use file::SceneFile;
 pub use options::{DistanceBuild, LoadOptions};
-pub use resolve::{LoadedMap, LoadedScene, LoadedSphereMap};
+pub use relief_sphere::LoadedSphereMap;
+pub use resolve::{LoadedMap, LoadedScene};
 
 pub(crate) use syntax::quoted;

@@ -5,11 +5,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rilievo::map::{Lattice, NormalConvention, ResamplingError, Wrap};
-use rilievo::relief::{
-    CubeRelief, FaceError, FaceOptions, Method, Relief, ReliefFace, ReliefSphere,
-    ReliefSphereError, ShadingNormals, SphereOptions,
-};
+use rilievo::map::{Lattice, NormalConvention, Wrap};
+use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::texture::{ColourImage, Texture};
@@ -21,6 +18,7 @@ use super::file::{
 };
 use super::load_map::{self, Face, Needs};
 use super::options::LoadOptions;
+use super::relief_sphere::{LoadedSphereMap, SphereMapKey};
 use super::syntax::{Located, hint};
 use crate::error::{Error, Result};
 use crate::image::{NormalOptions, read_colour};
@@ -48,19 +46,6 @@ pub struct LoadedMap {
     pub name: String,
     /// Heights, pyramid and distance maps, shared by the shapes.
     pub relief: Arc<Relief>,
-}
-
-/// A map of a scene, resampled for spheres.
-#[derive(Clone, Debug)]
-pub struct LoadedSphereMap {
-    /// Its name in the scene.
-    pub name: String,
-    /// Samples of the map itself, along u and v.
-    pub size: [u32; 2],
-    /// Heights and pyramids, shared by the spheres.
-    pub relief: Arc<CubeRelief>,
-    /// How far these heights are off the map's, if [`LoadOptions::resampling_error`] asks.
-    pub error: Option<ResamplingError>,
 }
 
 impl SceneFile {
@@ -146,7 +131,7 @@ impl SceneFile {
             .collect();
         maps.sort_by(|a, b| a.name.cmp(&b.name));
         let mut sphere_maps: Vec<_> = loader.sphere_maps.into_values().collect();
-        sphere_maps.sort_by(|a, b| a.name.cmp(&b.name));
+        sphere_maps.sort_by_key(LoadedSphereMap::order);
         let tone_map = self.render.tone_map;
         Ok(LoadedScene { scene, maps, sphere_maps, tone_map, notes: loader.notes })
     }
@@ -223,7 +208,7 @@ pub(super) struct Loader<'a> {
     pub(super) file: &'a SceneFile,
     pub(super) options: &'a LoadOptions<'a>,
     pub(super) maps: HashMap<&'a str, Arc<Relief>>,
-    sphere_maps: HashMap<&'a str, LoadedSphereMap>,
+    pub(super) sphere_maps: HashMap<SphereMapKey<'a>, LoadedSphereMap>,
     pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
     /// What was not as files say, a line each.
     pub(super) notes: Vec<String>,
@@ -243,7 +228,7 @@ impl<'a> Loader<'a> {
             let index = self.file.find(&entry.map, &self.file.maps, "map")?;
             let face = match &shape.shape {
                 Shape::Sphere(_) => {
-                    self.load_sphere_map(index)?;
+                    self.load_sphere_map(index, entry)?;
                     continue;
                 }
                 Shape::Quad(quad) if self.is_parallelogram(quad)? => {
@@ -266,17 +251,6 @@ impl<'a> Loader<'a> {
             let (name, entry) = &self.file.maps[index];
             let relief = load_map::load(self.file, (&name.value, entry), &needs, self.options)?;
             self.maps.insert(&name.value, relief);
-        }
-        Ok(())
-    }
-
-    /// Loads a map for spheres, unless it is there.
-    fn load_sphere_map(&mut self, index: usize) -> Result<()> {
-        let (name, entry) = &self.file.maps[index];
-        if !self.sphere_maps.contains_key(name.value.as_str()) {
-            let (relief, size, error) = load_map::load_cube(self.file, entry, self.options)?;
-            let map = LoadedSphereMap { name: name.value.clone(), size, relief, error };
-            self.sphere_maps.insert(&name.value, map);
         }
         Ok(())
     }
@@ -336,29 +310,6 @@ impl<'a> Loader<'a> {
         ReliefFace::new(quad.corners.value, relief, options).map_err(|e| {
             let at = match e {
                 FaceError::NotParallelogram { .. } | FaceError::Degenerate => &quad.corners.at,
-                _ => &entry.at,
-            };
-            self.file.invalid(at, "displacement", e.to_string(), String::new())
-        })
-    }
-
-    fn relief_sphere(
-        &self,
-        sphere: &SphereEntry,
-        entry: &DisplacementEntry,
-    ) -> Result<ReliefSphere> {
-        let name = entry.map.value.as_str();
-        let map = &self.file.maps[self.file.find(&entry.map, &self.file.maps, "map")?].1;
-        let options = SphereOptions {
-            displacement: entry.displacement,
-            method: self.method(sphere.method),
-            normals: self.normals(&entry.normals, (map.lattice, map.wrap))?,
-            simd: self.options.simd,
-        };
-        let relief = Arc::clone(&self.sphere_maps[name].relief);
-        ReliefSphere::new(sphere.center, sphere.radius.value, relief, options).map_err(|e| {
-            let at = match e {
-                ReliefSphereError::Center | ReliefSphereError::Radius(_) => &sphere.radius.at,
                 _ => &entry.at,
             };
             self.file.invalid(at, "displacement", e.to_string(), String::new())

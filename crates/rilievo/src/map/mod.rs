@@ -11,7 +11,7 @@ mod pyramid;
 mod statistics;
 
 pub(crate) use cube::direction as cube_direction;
-pub use cube::{CubeFace, CubeHeights, CubeHeightsError, ResamplingError};
+pub use cube::{CubeFace, CubeHeights, CubeHeightsError, ResamplingError, Tiling};
 pub use distance::{
     Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
     DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,

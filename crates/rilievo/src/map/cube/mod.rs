@@ -14,6 +14,7 @@ mod resample;
 
 use glam::DVec3;
 
+pub use equirectangular::Tiling;
 pub use resample::{CubeHeights, CubeHeightsError, ResamplingError};
 
 /// A face of the cube around a sphere, by the axis that it looks along.

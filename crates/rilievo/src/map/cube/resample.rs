@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::equirectangular::Equirectangular;
+use super::equirectangular::{Equirectangular, Tiling};
 use super::{CubeFace, direction};
 use crate::map::height::{HeightMap, HeightMapError, Samples};
 use crate::map::lattice::{Lattice, Wrap};
@@ -30,6 +30,14 @@ pub enum CubeHeightsError {
         /// Cells along a side.
         cells: u32,
     },
+    /// A map that does not close around the sphere, or is not there.
+    #[error(
+        "tile {tile:?}; around a sphere a whole number above 0, from pole to pole a number above 0"
+    )]
+    Tile {
+        /// Repetitions around the sphere and from pole to pole.
+        tile: [f64; 2],
+    },
     /// A face was refused as a height map.
     #[error(transparent)]
     Face(#[from] HeightMapError),
@@ -40,6 +48,7 @@ pub enum CubeHeightsError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CubeHeights {
     cells: u32,
+    tiling: Tiling,
     faces: [HeightMap; 6],
 }
 
@@ -54,24 +63,34 @@ pub struct ResamplingError {
 
 impl CubeHeights {
     /// Resamples an equirectangular map to [`CubeHeights::least_cells`] cells a side. u is the
-    /// longitude, v the latitude, as on [`crate::surface::Sphere`]; the map's wrap mode is not looked
-    /// at. The samples are codes where the map's are.
+    /// longitude, v the latitude, as on [`crate::surface::Sphere`]; the map's wrap mode counts from pole
+    /// to pole only, where it is tiled. The samples are codes where the map's are.
     ///
     /// # Errors
-    /// [`CubeHeightsError`] if that is too many cells.
-    pub fn resample(map: &HeightMap) -> Result<Self, CubeHeightsError> {
-        Self::with_cells(map, Self::least_cells(map))
+    /// [`CubeHeightsError`] if that is too many cells or the tiling does not close.
+    pub fn resample(map: &HeightMap, tiling: Tiling) -> Result<Self, CubeHeightsError> {
+        Self::with_cells(map, tiling, Self::least_cells(map, tiling))
     }
 
     /// [`CubeHeights::resample`] to `cells` cells a side.
     ///
     /// # Errors
     /// As [`CubeHeights::resample`].
-    pub fn with_cells(map: &HeightMap, cells: u32) -> Result<Self, CubeHeightsError> {
+    pub fn with_cells(
+        map: &HeightMap,
+        tiling: Tiling,
+        cells: u32,
+    ) -> Result<Self, CubeHeightsError> {
+        let Tiling { tile, shift } = tiling;
+        let usable = |tile: f64| tile > 0.0 && tile < f64::from(1 << 24);
+        let countable = shift.iter().all(|shift| shift.abs() < f64::from(1 << 24));
+        if !(usable(tile[0]) && usable(tile[1]) && tile[0].fract() == 0.0 && countable) {
+            return Err(CubeHeightsError::Tile { tile });
+        }
         if !(1..=MAX_CELLS).contains(&cells) {
             return Err(CubeHeightsError::Cells { cells });
         }
-        let around = Equirectangular::new(map);
+        let around = Equirectangular::new(map, tiling);
         let face = |face: CubeFace| {
             let raw = |i, j| around.raw(direction(cells, face.lattice_point(cells, [i, j])));
             let samples = match map.samples() {
@@ -84,25 +103,31 @@ impl CubeHeights {
             HeightMap::new(side, side, samples, Lattice::Vertex, Wrap::Mirror)
         };
         let [a, b, c, d, e, f] = CubeFace::ALL.map(face);
-        Ok(Self { cells, faces: [a?, b?, c?, d?, e?, f?] })
+        Ok(Self { cells, tiling, faces: [a?, b?, c?, d?, e?, f?] })
     }
 
     /// The fewest cells a side with which faces are nowhere coarser than the map, rounded up to a
-    /// multiple of 4: `max(w, 2 h) / pi`.
-    pub fn least_cells(map: &HeightMap) -> u32 {
-        let (x, y) = (f64::from(map.x().period()), f64::from(map.y().period()));
+    /// multiple of 4: `max(w, 2 h) / pi` with the samples of all repetitions.
+    pub fn least_cells(map: &HeightMap, tiling: Tiling) -> u32 {
+        let x = f64::from(map.x().period()) * tiling.tile[0];
+        let y = f64::from(map.y().period()) * tiling.tile[1];
         let least = x.max(2.0 * y) / std::f64::consts::PI;
-        ((least / 4.0).ceil() as u32 * 4).max(4)
+        ((least / 4.0).ceil() as u32).saturating_mul(4).max(4)
     }
 
     /// Bytes of the samples that [`CubeHeights::resample`] makes of a map.
-    pub fn predicted_bytes(map: &HeightMap) -> u64 {
+    pub fn predicted_bytes(map: &HeightMap, tiling: Tiling) -> u64 {
         let sample = match map.samples() {
             Samples::U16(_) => 2,
             Samples::F32(_) => 4,
         };
-        let side = u64::from(Self::least_cells(map)) + 1;
-        6 * side * side * sample
+        let side = u64::from(Self::least_cells(map, tiling)) + 1;
+        side.saturating_mul(side).saturating_mul(6 * sample)
+    }
+
+    /// How the map lies on the sphere.
+    pub fn tiling(&self) -> Tiling {
+        self.tiling
     }
 
     /// Cells along a side of a face.
@@ -136,11 +161,11 @@ impl CubeHeights {
 
     /// How far these faces are off `map`, which they were made of, at its samples.
     pub fn resampling_error(&self, map: &HeightMap) -> ResamplingError {
-        let around = Equirectangular::new(map);
+        let around = Equirectangular::new(map, self.tiling);
         let row = |j: u32| {
             let (mut max, mut sum, mut area) = (0.0f64, 0.0, 0.0);
-            for i in 0..map.width() {
-                let along = around.direction(i, j);
+            for (i, k) in (0..map.width()).flat_map(|i| around.repetitions().map(move |k| (i, k))) {
+                let Some(along) = around.direction([i, j], k) else { continue };
                 let own = around.raw(along) * map.unit();
                 let off = (self.height(DVec3::from_array(along)) - own).abs();
                 let weight = along[0].hypot(along[1]);
@@ -178,7 +203,7 @@ mod tests {
 
     #[test]
     fn neighbours_share_their_edges_and_corners() {
-        let cube = CubeHeights::resample(&fbm()).unwrap();
+        let cube = CubeHeights::resample(&fbm(), Tiling::default()).unwrap();
         let n = cube.cells();
         assert_eq!(n, 84);
         let mut seen = std::collections::HashMap::new();
@@ -202,7 +227,9 @@ mod tests {
         let map = fbm();
         let mut last = f64::INFINITY;
         for cells in [21, 42, 84, 168, 336] {
-            let error = CubeHeights::with_cells(&map, cells).unwrap().resampling_error(&map);
+            let error = CubeHeights::with_cells(&map, Tiling::default(), cells)
+                .unwrap()
+                .resampling_error(&map);
             assert!(error.rms < 0.8 * last && error.rms <= error.max, "{cells}: {error:?}");
             last = error.rms;
         }
@@ -213,12 +240,20 @@ mod tests {
     fn constant_heights_stay_and_bad_sizes_are_refused() {
         let flat = HeightMap::new(9, 5, Samples::U16(vec![777; 45]), Lattice::Vertex, Wrap::Clamp);
         let flat = flat.unwrap();
-        let cube = CubeHeights::resample(&flat).unwrap();
+        let cube = CubeHeights::resample(&flat, Tiling::default()).unwrap();
         assert_eq!(cube.resampling_error(&flat).max, 0.0);
         assert!(CubeFace::ALL.iter().all(|&f| cube.face(f).raw_range() == (777.0, 777.0)));
         for cells in [0, MAX_CELLS + 1] {
-            let error = CubeHeights::with_cells(&flat, cells).unwrap_err();
+            let error = CubeHeights::with_cells(&flat, Tiling::default(), cells).unwrap_err();
             assert_eq!(error, CubeHeightsError::Cells { cells });
         }
+        for tile in [[1.5, 1.0], [0.0, 1.0], [2.0, -1.0], [1.0, f64::NAN], [1e300, 1.0]] {
+            let tiling = Tiling { tile, ..Tiling::default() };
+            let error = CubeHeights::with_cells(&flat, tiling, 8).unwrap_err();
+            assert!(matches!(error, CubeHeightsError::Tile { .. }));
+        }
+        let dense = Tiling { tile: [1e6, 1e6], ..Tiling::default() };
+        let error = CubeHeights::resample(&flat, dense).unwrap_err();
+        assert!(matches!(error, CubeHeightsError::Cells { .. }));
     }
 }

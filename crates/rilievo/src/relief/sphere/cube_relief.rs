@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::map::{CubeFace, CubeHeights, CubeHeightsError, HeightMap, Layout, Pyramid};
+use crate::map::{CubeFace, CubeHeights, CubeHeightsError, HeightMap, Layout, Pyramid, Tiling};
 use crate::relief::Relief;
 
 /// A map resampled onto the faces around a sphere, with its bounds; one serves any number of spheres.
 #[derive(Clone, Debug)]
 pub struct CubeRelief {
     cells: u32,
+    tiling: Tiling,
     faces: [Relief; 6],
 }
 
@@ -17,22 +18,28 @@ impl CubeRelief {
     /// in the default layout.
     ///
     /// # Errors
-    /// [`CubeHeightsError`] if the map is too large.
-    pub fn new(map: &HeightMap) -> Result<Arc<Self>, CubeHeightsError> {
-        Ok(Arc::new(Self::with_layout(CubeHeights::resample(map)?, Layout::Default)))
+    /// [`CubeHeightsError`] if the map is too large or its tiling does not close.
+    pub fn new(map: &HeightMap, tiling: Tiling) -> Result<Arc<Self>, CubeHeightsError> {
+        Ok(Arc::new(Self::with_layout(CubeHeights::resample(map, tiling)?, Layout::Default)))
     }
 
     /// Builds the pyramids of resampled heights in a layout.
     pub fn with_layout(heights: CubeHeights, layout: Layout) -> Self {
-        let cells = heights.cells();
+        let (cells, tiling) = (heights.cells(), heights.tiling());
         let faces = heights.into_faces().map(|face| Relief::with_layout(face, layout));
-        Self { cells, faces }
+        Self { cells, tiling, faces }
     }
 
     /// Cells along a side of a face.
     #[inline]
     pub fn cells(&self) -> u32 {
         self.cells
+    }
+
+    /// How the map lies on a sphere.
+    #[inline]
+    pub fn tiling(&self) -> Tiling {
+        self.tiling
     }
 
     /// Heights and bounds of a face.
@@ -60,8 +67,11 @@ impl CubeRelief {
     }
 
     /// Bytes that heights and bounds of a map take in a layout.
-    pub fn predicted_bytes(map: &HeightMap, layout: Layout) -> (u64, u64) {
-        let cells = CubeHeights::least_cells(map);
-        (CubeHeights::predicted_bytes(map), 6 * Pyramid::predicted_bytes([cells; 2], layout))
+    pub fn predicted_bytes(map: &HeightMap, tiling: Tiling, layout: Layout) -> (u64, u64) {
+        let cells = CubeHeights::least_cells(map, tiling);
+        (
+            CubeHeights::predicted_bytes(map, tiling),
+            6 * Pyramid::predicted_bytes([cells; 2], layout),
+        )
     }
 }

@@ -48,7 +48,7 @@ pub use options::{ReliefSphereError, SphereOptions};
 
 use crate::accel::Aabb;
 use crate::hit::Hit;
-use crate::map::CubeFace;
+use crate::map::{CubeFace, Tiling};
 use crate::probe::Probe;
 use crate::ray::{Part, Ray};
 use crate::simd::{self, Kernel, Lanes};
@@ -103,7 +103,7 @@ impl ReliefSphere {
         relief: Arc<CubeRelief>,
         options: SphereOptions,
     ) -> Result<Self, ReliefSphereError> {
-        options::check(center, radius, &options)?;
+        options::check(center, radius, relief.tiling(), &options)?;
         let Displacement { scale, zero, .. } = options.displacement;
         let radii = Radii::new(&relief, radius, scale, zero);
         if !radii.are_valid() {
@@ -179,7 +179,11 @@ impl ReliefSphere {
         let uv = spherical::uv(outward);
         let shading_normal = match &self.options.normals {
             ShadingNormals::Smooth => at.smooth_normal(),
-            ShadingNormals::Map(map) => Shading::mapped_normal(map, uv.to_array(), outward),
+            ShadingNormals::Map(map) => {
+                let Tiling { tile, shift } = relief.tiling();
+                let at = [uv.x * tile[0] + shift[0], uv.y * tile[1] + shift[1]];
+                Shading::mapped_normal(map, at, outward)
+            }
             _ => geometric_normal,
         };
         let same_side = shading_normal.dot(geometric_normal) > 0.0;

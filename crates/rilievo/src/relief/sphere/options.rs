@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::map::Tiling;
 use crate::mesh::COORDINATE_LIMIT;
 use crate::relief::method::Method;
 use crate::relief::options::{Displacement, ShadingNormals};
@@ -10,7 +11,8 @@ use crate::simd::SimdLevel;
 /// Everything about a displaced sphere but its place and its map.
 #[derive(Clone, Debug, Default)]
 pub struct SphereOptions {
-    /// How the map is laid on the sphere: `tile` must be 1 and `shift` 0, the map lies on it once.
+    /// How the map is laid on the sphere; `tile` and `shift` must be those that the relief was
+    /// resampled with.
     pub displacement: Displacement,
     /// How rays are walked: [`Method::Dda`] or [`Method::Pyramid`].
     pub method: Method,
@@ -63,6 +65,7 @@ pub enum ReliefSphereError {
 pub(super) fn check(
     center: DVec3,
     radius: f64,
+    tiling: Tiling,
     options: &SphereOptions,
 ) -> Result<(), ReliefSphereError> {
     if !center.abs().cmple(DVec3::splat(COORDINATE_LIMIT)).all() {
@@ -79,14 +82,14 @@ pub(super) fn check(
     if !zero.is_finite() {
         return refuse("zero", zero, "finite");
     }
-    for value in tile {
-        if value != 1.0 {
-            return refuse("tile", value, "1: a map lies on a sphere once");
+    for (value, own) in tile.into_iter().zip(tiling.tile) {
+        if value != own {
+            return refuse("tile", value, "that with which the map was resampled");
         }
     }
-    for value in shift {
-        if value != 0.0 {
-            return refuse("shift", value, "0: a map lies on a sphere from longitude 0 on");
+    for (value, own) in shift.into_iter().zip(tiling.shift) {
+        if value != own {
+            return refuse("shift", value, "that with which the map was resampled");
         }
     }
     if !matches!(options.method, Method::Dda | Method::Pyramid) {
