@@ -10,6 +10,7 @@ mod mtl;
 mod obj;
 mod ply;
 mod presentation;
+mod projection;
 mod words;
 
 use std::fs::File;
@@ -22,6 +23,8 @@ pub use model::{
     ImageSource, ImageUse, LightKind, Model, ModelCamera, ModelDisplacement, ModelLight,
     ModelMaterial, NO_MATERIAL,
 };
+
+pub use projection::Projection;
 
 use crate::error::{Error, Place, Result};
 use crate::limits::Limits;

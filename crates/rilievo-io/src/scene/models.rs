@@ -1,34 +1,45 @@
 //! Meshes of a scene with the materials of their own files.
 //!
 //! What the renderer has is used: base colour as a number or an image, mirror reflectance,
-//! roughness, emission. A metal (metalness from 0.5, without an image of it) reflects its base colour and diffuses nothing.
-//! The rest of a material stays in the [`Model`] and is not used yet. An image that cannot be read
+//! roughness, emission, displacement. A metal (metalness from 0.5, without an image of it) reflects
+//! its base colour and diffuses nothing. The rest of a material stays in the [`Model`] and is not used
+//! yet. An image that cannot be read
 //! costs the image, not the scene; a note says so.
 
 use std::sync::Arc;
 
 use rilievo::glam::DAffine3;
 use rilievo::mesh::Mesh;
+use rilievo::relief::{Displacement, MeshOptions, Relief, ReliefMesh, ReliefMeshError};
+use rilievo::surface::Surface;
 use rilievo_render::colour::Rgb;
 use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Material, Reflectance};
 
+use super::file::MeshEntry;
 use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::{Error, Result};
-use crate::image::{read_colour, read_colour_bytes};
+use crate::image::{HeightOptions, read_colour, read_colour_bytes};
 use crate::mesh::{ImageSource, ImageUse, Model, ModelMaterial};
 
 /// Metalness from which a material is a metal.
 const METAL: f64 = 0.5;
 
 impl Loader<'_> {
-    /// Reads the model `file`.
-    pub(super) fn model(&mut self, file: &Located<String>) -> Result<Model> {
-        let path = self.file.beside(&file.value);
-        let model = Model::read(&path, &self.options.limits)
-            .map_err(|e| self.file.referenced(file, "mesh", e))?;
+    /// Reads the model of an entry, with the texture coordinates and normals that it asks for.
+    pub(super) fn model(&mut self, entry: &MeshEntry) -> Result<Model> {
+        let path = self.file.beside(&entry.file.value);
+        let mut model = Model::read(&path, &self.options.limits)
+            .map_err(|e| self.file.referenced(&entry.file, "mesh", e))?;
         self.notes.extend(model.notes.iter().map(|note| format!("{}: {note}", path.display())));
+        if let Some(projection) = entry.projection {
+            projection.lay(&mut model.mesh);
+        }
+        if entry.smooth {
+            let groups = vec![1; model.mesh.triangles.len()];
+            model.mesh.smooth(&groups);
+        }
         Ok(model)
     }
 
@@ -53,23 +64,67 @@ impl Loader<'_> {
         })
     }
 
-    /// The model `file` cut by its materials, placed.
-    pub(super) fn parts(
-        &mut self,
-        file: &Located<String>,
-        place: Option<&Located<DAffine3>>,
-    ) -> Result<Vec<(Mesh, Option<Material>)>> {
-        let model = self.model(file)?;
+    /// The model of an entry cut by its materials, placed, each part displaced as its material says.
+    pub(super) fn parts(&mut self, entry: &MeshEntry) -> Result<Vec<(Surface, Option<Material>)>> {
+        let (file, place) = (&entry.file, entry.world_from_object.as_ref());
+        let model = self.model(entry)?;
         if model.mesh.triangles.is_empty() {
-            return Ok(vec![(self.placed(model.mesh, file, place)?, None)]);
+            return Ok(vec![(self.placed(model.mesh, file, place)?.into(), None)]);
         }
+        // Displacements are in units of the file.
+        let unit = place.map_or(1.0, |place| place.value.matrix3.determinant().abs().cbrt());
+        let mut reliefs: Vec<(&ImageSource, Arc<Relief>)> = Vec::new();
         let mut parts = Vec::new();
         for (data, material) in model.by_material() {
             let mesh = self.placed(data, file, place)?;
             let material = material.and_then(|index| model.materials.get(index));
-            parts.push((mesh, material.map(|m| self.model_material(m))));
+            let own = material.map(|m| self.model_material(m));
+            let Some(displacement) = material.and_then(|m| m.displacement.as_ref()) else {
+                parts.push((mesh.into(), own));
+                continue;
+            };
+            let image = &displacement.image;
+            let relief = match reliefs.iter().find(|(source, _)| **source == image.source) {
+                Some((_, relief)) => Arc::clone(relief),
+                None => {
+                    let relief = self.own_relief(&image.source);
+                    let relief =
+                        relief.map_err(|e| self.file.referenced(file, "displacement", e))?;
+                    reliefs.push((&image.source, Arc::clone(&relief)));
+                    relief
+                }
+            };
+            let options = MeshOptions {
+                displacement: Displacement {
+                    scale: displacement.scale * unit,
+                    zero: displacement.zero,
+                    tile: image.tile.into(),
+                    shift: image.shift.into(),
+                },
+                ..self.mesh_options(entry)
+            };
+            let displaced = ReliefMesh::new(&mesh, relief, options).map_err(|e| {
+                let what = format!("displacement of {:?}", material.map_or("", |m| &m.name));
+                let allowed = match e {
+                    ReliefMeshError::NoUv(_) => "texture coordinates, or `projection` in the shape",
+                    _ => "",
+                };
+                self.file.invalid(&file.at, &what, e.to_string(), allowed.to_owned())
+            })?;
+            self.tell(&file.value, displaced.report());
+            parts.push((displaced.into(), own));
         }
         Ok(parts)
+    }
+
+    /// The heights that a model's material names.
+    fn own_relief(&self, source: &ImageSource) -> Result<Arc<Relief>> {
+        let (heights, limits) = (HeightOptions::default(), &self.options.limits);
+        let heights = match source {
+            ImageSource::File(path) => heights.read(path, limits),
+            ImageSource::Embedded { name, bytes } => heights.read_bytes(bytes, name, limits),
+        }?;
+        Ok(Arc::new(Relief::with_layout(heights, self.options.layout.unwrap_or_default())))
     }
 
     /// What the renderer has of a material.

@@ -19,7 +19,7 @@ impl Loader<'_> {
         entry: &MeshEntry,
         displacement: &DisplacementEntry,
     ) -> Result<(ReliefMesh, Option<Material>)> {
-        let model = self.model(&entry.file)?;
+        let model = self.model(entry)?;
         let material = match model.materials.as_slice() {
             [one] => Some(self.model_material(one)),
             [] => None,
@@ -34,18 +34,23 @@ impl Loader<'_> {
             }
         };
         let mesh = self.placed(model.mesh, &entry.file, entry.world_from_object.as_ref())?;
-        let options = MeshOptions {
-            displacement: displacement.displacement,
+        let options =
+            MeshOptions { displacement: displacement.displacement, ..self.mesh_options(entry) };
+        let mesh = self.laid_on(&mesh, displacement, options)?;
+        self.tell(&entry.file.value, mesh.report());
+        Ok((mesh, material))
+    }
+
+    /// How the mesh of an entry is displaced, but for the displacement.
+    pub(super) fn mesh_options(&self, entry: &MeshEntry) -> MeshOptions {
+        MeshOptions {
             method: self.method(entry.method),
             edges: entry.edges,
             closed: entry.closed,
             one_sided: entry.one_sided,
             simd: self.options.simd,
             ..MeshOptions::default()
-        };
-        let mesh = self.laid_on(&mesh, displacement, options)?;
-        self.tell(&entry.file.value, mesh.report());
-        Ok((mesh, material))
+        }
     }
 
     /// A displaced quad that is not a parallelogram.
@@ -90,7 +95,7 @@ impl Loader<'_> {
         let options = MeshOptions { normals, ..options };
         ReliefMesh::new(mesh, relief, options).map_err(|e| {
             let allowed = match e {
-                ReliefMeshError::NoUv(_) => "a file with texture coordinates on every face",
+                ReliefMeshError::NoUv(_) => "texture coordinates on every face, or `projection`",
                 ReliefMeshError::Method(_) => "pyramid, dda",
                 _ => "",
             };
@@ -99,7 +104,7 @@ impl Loader<'_> {
     }
 
     /// Notes what is out of the ordinary.
-    fn tell(&mut self, name: &str, report: &MeshReport) {
+    pub(super) fn tell(&mut self, name: &str, report: &MeshReport) {
         for (triangles, what) in [
             (&report.no_volume, "have no area and are left out"),
             (&report.no_uv_area, "have texture coordinates without area; they are slow"),

@@ -86,8 +86,8 @@ impl SceneFile {
         for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
             match (&entry.shape, &entry.material) {
                 (Shape::Mesh(mesh), None) if mesh.displacement.is_none() => {
-                    for (mesh, own) in loader.parts(&mesh.file, mesh.world_from_object.as_ref())? {
-                        surfaces.push(mesh.into());
+                    for (surface, own) in loader.parts(mesh)? {
+                        surfaces.push(surface);
                         material_of.push(match own {
                             Some(own) => {
                                 materials.push(own);
@@ -290,7 +290,7 @@ impl<'a> Loader<'a> {
                 Some(entry) => Ok(self.relief_sphere(sphere, entry)?.into()),
             },
             Shape::Mesh(mesh) => {
-                let data = self.model(&mesh.file)?.mesh;
+                let data = self.model(mesh)?.mesh;
                 Ok(self.placed(data, &mesh.file, mesh.world_from_object.as_ref())?.into())
             }
         }

@@ -11,6 +11,7 @@ use super::material::PAIR;
 use super::terrain::{GroundEntry, read_terrain};
 use super::view::{POINT, method, point};
 use crate::error::Result;
+use crate::mesh::Projection;
 
 /// Which normals a displaced shape is shaded with.
 #[derive(Clone, Debug)]
@@ -64,6 +65,10 @@ pub(in super::super) struct SphereEntry {
 #[derive(Clone, Debug)]
 pub(in super::super) struct MeshEntry {
     pub file: Located<String>,
+    /// Gives it texture coordinates in place of its own.
+    pub projection: Option<Projection>,
+    /// Whether faces without normals are smooth.
+    pub smooth: bool,
     pub world_from_object: Option<Located<DAffine3>>,
     pub displacement: Option<DisplacementEntry>,
     pub edges: Edges,
@@ -196,8 +201,11 @@ fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
         return Err(value.invalid("nothing: only a mesh with `displacement` has this key"));
     }
     let flag = |value: Option<Value<'_>>| value.map_or(Ok(false), |v| v.boolean());
+    let projection = table.get("projection").map(|v| v.choice(&Projection::ALL)).transpose()?;
     Ok(MeshEntry {
         file,
+        projection,
+        smooth: flag(table.get("smooth"))?,
         world_from_object,
         displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
         edges,
