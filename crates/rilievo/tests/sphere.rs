@@ -114,6 +114,29 @@ fn a_normal_map_lies_on_the_sphere_like_the_heights() {
 }
 
 #[test]
+fn rays_of_any_size_end() {
+    let shape = Procedural::Fbm { octaves: 3, seed: 2 };
+    for method in [Method::Dda, Method::Pyramid] {
+        let options = SphereOptions { method, ..displaced(0.3, 0.0) };
+        let center = DVec3::new(5.0, -1.0, 2.0);
+        let sphere = ReliefSphere::new(center, 1.0, relief(shape), options).unwrap();
+        let sizes = [0.0, 1e-300, 1e-150, 1e-17, 1.0, 1e17, 1e150, 1e300];
+        for (size, origin) in sizes.into_iter().flat_map(|a| sizes.map(|b| (a, b))) {
+            for direction in directions(40) {
+                let ray = Ray::new(
+                    center + origin * direction.any_orthonormal_vector(),
+                    size * direction,
+                );
+                let hit = sphere.closest(&ray, &mut ());
+                assert!(hit.is_none_or(|hit| hit.t >= 0.0 && hit.position.is_finite()));
+                assert_eq!(sphere.occludes(&ray, &mut ()), hit.is_some());
+                assert!(hit.is_some() || size == 0.0 || origin >= 1.0, "{ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn tiles_repeat_around_the_sphere() {
     let studs = map(Procedural::Studded { studs: [2, 2] });
     let tiling = Tiling { tile: [4.0, 2.0], shift: [0.125, 0.5] };

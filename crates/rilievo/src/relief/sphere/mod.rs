@@ -229,8 +229,10 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
     fn run<L: Lanes>(self) -> Option<SphereCrossing> {
         let Self { sphere, ray, probe } = self;
         let ReliefSphere { relief, radii, options, .. } = sphere;
-        for part in clip::parts(radii, sphere.start(ray), ray.direction).into_iter().flatten() {
-            if part.t > ray.t_max {
+        let unit = unit(ray.direction);
+        let (direction, t_max) = (ray.direction * unit, ray.t_max / unit);
+        for part in clip::parts(radii, sphere.start(ray), direction).into_iter().flatten() {
+            if part.t > t_max {
                 break;
             }
             let mut segments = Segments::new(relief, radii, part);
@@ -240,21 +242,21 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
                 _ => segments.starts_outside(),
             };
             while let Some(segment) = segments.next() {
-                if part.t + segment.begins() > ray.t_max {
+                if part.t + segment.begins() > t_max {
                     return None;
                 }
                 let found = match options.method {
                     Method::Dda => walk::by_cells(&segment, radii.cells, probe),
                     _ => {
-                        let end = (segment.s_at(ray.t_max - part.t) + 1e-9).min(1.0);
+                        let end = (segment.s_at(t_max - part.t) + 1e-9).min(1.0);
                         let range = Range { outside, nearest: segment.s_at(part.nearest), end };
                         let face = relief.face(segment.face);
                         walk::by_pyramid::<L, P>(&segment, (face, radii), range, probe)
                     }
                 };
                 let Some(root) = found else { continue };
-                let t = part.t + segment.t_at(root.s);
-                if t > ray.t_max {
+                let t = (part.t + segment.t_at(root.s)) * unit;
+                if t.is_nan() || t > ray.t_max {
                     return None;
                 }
                 let (local, gap) = segment.place(&root);
@@ -270,4 +272,17 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
         }
         None
     }
+}
+
+/// What a direction is multiplied by so that its square neither overflows nor vanishes: a power of two,
+/// 1 for all but odd ones.
+#[inline(always)]
+fn unit(direction: DVec3) -> f64 {
+    let size = direction.abs().max_element();
+    if (1e-60..=1e60).contains(&size) { 1.0 } else { odd_unit(size) }
+}
+
+#[cold]
+fn odd_unit(size: f64) -> f64 {
+    if size > 0.0 && size.is_finite() { (-size.log2().floor()).exp2() } else { 1.0 }
 }
