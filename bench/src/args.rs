@@ -10,6 +10,7 @@ use rilievo::map::DistanceKind;
 use crate::contender::Contender;
 use crate::map::MapName;
 use crate::rays::Family;
+use crate::shells::{Base, ShellFamily};
 use crate::transforms::{Grid, name};
 
 /// Measures rilievo beside its peers, on equal rays and grids.
@@ -28,6 +29,8 @@ pub enum Command {
     Transforms(TransformArgs),
     /// Nodes, leaves, steps and nanoseconds a ray of the exact methods.
     Walks(WalkArgs),
+    /// Displaced meshes, beside their tessellation in Embree.
+    Shells(ShellArgs),
     /// Nanoseconds a sample of building pyramids.
     Build(BuildArgs),
     /// Say what machine this is, as the machine.json of a recorded run.
@@ -131,6 +134,39 @@ pub struct WalkArgs {
     #[arg(long, value_name = "N", default_value_t = 3,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub passes: u16,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct ShellArgs {
+    /// Meshes, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Base::ALL)]
+    pub bases: Vec<Base>,
+    /// Maps, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',',
+          default_values_t = [MapName::Fbm, MapName::Moss, MapName::RoofingTiles])]
+    pub maps: Vec<MapName>,
+    /// Samples a side.
+    #[arg(long, value_name = "N", value_parser = size(), default_value_t = 2048)]
+    pub size: u32,
+    /// Depths of the relief as shares of the mesh's diagonal, parted by commas.
+    #[arg(long, value_name = "X,...", value_delimiter = ',', value_parser = depth,
+          default_values_t = [0.001, 0.01, 0.03])]
+    pub thicknesses: Vec<f64>,
+    /// Families of rays, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = ShellFamily::ALL)]
+    pub families: Vec<ShellFamily>,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
+    /// A sixteenth of the rays.
+    #[arg(long)]
+    pub quick: bool,
+    /// Without Embree.
+    #[arg(long)]
+    pub alone: bool,
     #[command(flatten)]
     pub output: Output,
 }

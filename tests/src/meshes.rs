@@ -19,6 +19,8 @@ pub enum Base {
     Cube,
     /// The icosphere, each triangle shown a random, mirrored or overlapping piece of the map.
     Folded(u64),
+    /// The model of `scenes/spot`: closed, with uv seams, thin ears and legs.
+    Spot,
     /// An open strip of long thin triangles, bent like a trough.
     Trough,
     /// Two triangles over a quad that is no parallelogram, not flat.
@@ -72,6 +74,7 @@ impl Base {
             Self::Torus(around, across) => torus(around, across),
             Self::Cube => cube(),
             Self::Trough => trough(),
+            Self::Spot => spot(),
             Self::Quad => {
                 let positions = vec![
                     DVec3::new(-1.0, -1.0, 0.0),
@@ -178,6 +181,36 @@ fn cube() -> MeshData {
         let normals = Some([number; 3]);
         data.triangles.push(Triangle { positions: [a, b, c], normals, uvs: Some([0, 1, 2]) });
         data.triangles.push(Triangle { positions: [a, c, d], normals, uvs: Some([0, 2, 3]) });
+    }
+    data
+}
+
+/// Positions, uv and faces of an OBJ file that has every index.
+fn spot() -> MeshData {
+    let mut data = MeshData::default();
+    for line in include_str!("../../scenes/spot/spot.obj").lines() {
+        let mut words = line.split_whitespace();
+        let key = words.next();
+        let rest: Vec<&str> = words.collect();
+        let number = |k: usize| rest[k].parse().expect("a number");
+        match key {
+            Some("v") => data.positions.push(DVec3::new(number(0), number(1), number(2))),
+            Some("vt") => data.uvs.push(DVec2::new(number(0), number(1))),
+            Some("f") => {
+                let corners: Vec<[u32; 2]> = (rest.iter())
+                    .map(|corner| {
+                        let mut indices = corner.split('/').map(|i| i.parse::<u32>());
+                        [(); 2].map(|()| indices.next().expect("p/t").expect("an index") - 1)
+                    })
+                    .collect();
+                for k in 1..corners.len() - 1 {
+                    let three = [corners[0], corners[k], corners[k + 1]];
+                    let (positions, uvs) = (three.map(|c| c[0]), Some(three.map(|c| c[1])));
+                    data.triangles.push(Triangle { positions, normals: None, uvs });
+                }
+            }
+            _ => {}
+        }
     }
     data
 }

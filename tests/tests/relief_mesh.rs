@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
-use rilievo::Ray;
-use rilievo::map::{HeightMap, Lattice, Wrap};
-use rilievo::mesh::Mesh;
+use rilievo::map::{HeightMap, Lattice, Layout, Wrap};
+use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{Displacement, Edges, MeshOptions, Method, Relief, ReliefMesh};
+use rilievo::{Ray, SimdLevel};
 use rilievo_tests::maps::Shape;
 use rilievo_tests::mesh_oracle::{Closing, MeshOracle};
 use rilievo_tests::meshes::Base;
@@ -85,6 +85,7 @@ fn cases() -> Vec<Case> {
             ..case("quad", Base::Quad, texel(Shape::White(9), [5, 4], Wrap::Repeat), 0.04)
         },
         case("coarse", Base::Torus(20, 14), texel(Shape::White(10), [4, 3], Wrap::Repeat), 0.05),
+        case("spot", Base::Spot, texel(Shape::Fbm(11), [96, 96], Wrap::Repeat), 0.01),
         case("flat", Base::Icosphere(1), texel(Shape::Flat(0.7), [9, 9], Wrap::Repeat), 0.05),
     ]
 }
@@ -285,4 +286,103 @@ fn target(mesh: &ReliefMesh, random: &mut Random) -> DVec3 {
     let normal = (b - a).cross(c - a).normalize();
     let s = if random.one_in(3) { 0.0 } else { random.unit() };
     a.lerp(b, s) + random.range(-0.5, 0.5) * mesh.options().displacement.scale * normal
+}
+
+/// Bit for bit the same at every SIMD level, in both layouts of the pyramid, for codes and floats.
+#[test]
+fn levels_and_layouts_give_the_same_bits() {
+    let case = &cases()[0];
+    let mesh = case.base.mesh();
+    let scale = case.thickness * size(&mesh);
+    let make = |layout, simd| {
+        let displacement = Displacement { scale, tile: [1.5, 2.0], ..Displacement::default() };
+        let options = MeshOptions { displacement, simd, ..MeshOptions::default() };
+        let relief = Relief::with_layout(case.map.clone(), layout);
+        ReliefMesh::new(&mesh, Arc::new(relief), options).expect("valid")
+    };
+    let reference = make(Layout::Default, SimdLevel::detect());
+    for layout in Layout::ALL {
+        for &simd in SimdLevel::available() {
+            let other = make(layout, simd);
+            for k in 0..3000 {
+                let ray = ray(&reference, &mut Random::new(&[35, k]));
+                assert_eq!(reference.closest(&ray, &mut ()), other.closest(&ray, &mut ()));
+            }
+        }
+    }
+}
+
+/// Triangles that are out of the ordinary are reported, and what can be hit is.
+#[test]
+fn degenerate_triangles_are_reported_and_not_lost() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.0)];
+    let uvs = vec![DVec2::new(0.2, 0.3), DVec2::new(0.7, 0.3), DVec2::new(0.45, 0.3)];
+    let triangle = |positions, uvs| Triangle { positions, normals: None, uvs: Some(uvs) };
+    let data = MeshData {
+        positions: corners.to_vec(),
+        normals: Vec::new(),
+        uvs,
+        triangles: vec![
+            // Uv on a line, uv in a point, and no area at all.
+            triangle([0, 1, 2], [0, 1, 2]),
+            triangle([1, 3, 2], [1, 1, 1]),
+            triangle([0, 1, 1], [0, 1, 1]),
+        ],
+    };
+    let map = Shape::White(3).codes([16, 16], Lattice::Texel, Wrap::Repeat);
+    let displacement = Displacement { scale: 0.2, ..Displacement::default() };
+    let mesh = Mesh::new(data).expect("valid");
+    for method in [Method::Pyramid, Method::Dda] {
+        let options = MeshOptions { displacement, method, ..MeshOptions::default() };
+        let relief = Arc::new(Relief::new(map.clone()));
+        let mesh = ReliefMesh::new(&mesh, relief, options).expect("valid");
+        assert_eq!(mesh.report().no_uv_area, [0, 1]);
+        assert_eq!(mesh.report().no_volume, [2]);
+        for (x, y) in [(0.1, 0.1), (0.3, 0.4), (0.9, 0.05), (0.8, 0.7), (0.5, 0.5), (0.99, 0.99)] {
+            let down = Ray::new(DVec3::new(x, y, 1.0), -DVec3::Z);
+            let hit = mesh.closest(&down, &mut ()).expect("covered");
+            let (u, v) = if x + y <= 1.0 { (0.2 + 0.5 * x + 0.25 * y, 0.3) } else { (0.7, 0.3) };
+            let offset = 0.2 * map.height_at(u, v);
+            assert!((hit.position.z - offset).abs() < 1e-12, "{method} {x} {y}");
+        }
+    }
+}
+
+/// A finer tessellation comes closer to what is hit.
+#[test]
+fn tessellations_converge_to_the_surface() {
+    let case = &cases()[0];
+    let mesh = case.mesh(Method::Pyramid, DAffine3::IDENTITY);
+    let triangles = mesh.data().triangles.len() as u32;
+    let mut errors = Vec::new();
+    for n in [4u32, 8, 16, 32] {
+        let mut sum = 0.0;
+        let mut random = Random::new(&[36]);
+        for _ in 0..400 {
+            let base = random.integer(0, triangles as i32 - 1) as u32;
+            let (i, j) = (random.unit() * f64::from(n), random.unit() * f64::from(n));
+            let (i, j) =
+                if i + j > f64::from(n) { (f64::from(n) - i, f64::from(n) - j) } else { (i, j) };
+            // The small triangle around a place, and its middle.
+            let flip = i.fract() + j.fract() > 1.0;
+            let (a, b) =
+                (i.floor() + f64::from(u8::from(flip)), j.floor() + f64::from(u8::from(flip)));
+            let step = if flip { -1.0 } else { 1.0 };
+            let at = |x: f64, y: f64| {
+                let (v, w) = (x / f64::from(n), y / f64::from(n));
+                mesh.point(base, [1.0 - v - w, v, w])
+            };
+            let corners = [at(a, b), at(a + step, b), at(a, b + step)];
+            let middle = corners.iter().sum::<DVec3>() / 3.0;
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            // To the surface on either side of the facet.
+            let near = [normal, -normal].into_iter().filter_map(|direction| {
+                mesh.closest(&Ray::new(middle, direction), &mut ()).map(|hit| hit.t)
+            });
+            sum += near.fold(size_of(&mesh), f64::min);
+        }
+        errors.push(sum / 400.0);
+    }
+    assert!(errors.windows(2).all(|two| two[1] < 0.6 * two[0]), "{errors:?}");
+    assert!(errors[3] < 1e-4 * size_of(&mesh), "{errors:?}");
 }

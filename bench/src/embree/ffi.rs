@@ -54,6 +54,7 @@ pub const GEOMETRY_TYPE_GRID: c_uint = 2;
 // rtcore_scene.h
 pub const SCENE_FLAG_NONE: c_uint = 0;
 pub const SCENE_FLAG_COMPACT: c_uint = 1 << 1;
+pub const SCENE_FLAG_ROBUST: c_uint = 1 << 2;
 
 /// `RTCMemoryMonitorFunction`.
 pub type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;

@@ -1,4 +1,4 @@
-//! [`Scene`]: a height map as Embree geometry, committed.
+//! [`Scene`]: a height map or a mesh as Embree geometry, committed.
 
 use std::ptr::NonNull;
 use std::slice;
@@ -102,13 +102,36 @@ impl Scene {
                     ffi::Grid { start_vertex_id: 0, stride: width, width: side_x, height: side_y };
             }
         }
-        // SAFETY: device and geometry are alive; both buffers are set and filled.
-        let raw = unsafe { ffi::rtcNewScene(device.as_ptr()) };
-        let scene = Self { raw: NonNull::new(raw).ok_or("Embree makes no scene")?, device };
         let flags = match shape {
             Shape::Triangles | Shape::Quads => ffi::SCENE_FLAG_NONE,
             Shape::Grid => ffi::SCENE_FLAG_COMPACT,
         };
+        Self::committed(device, &geometry, flags)
+    }
+
+    /// Triangles, in a robust scene of medium quality.
+    ///
+    /// # Errors
+    /// What Embree refuses.
+    pub fn of_triangles(
+        config: &str,
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, String> {
+        let device = Device::new(config)?;
+        let mut geometry = Geometry::new(&device, Shape::Triangles)?;
+        let (kind, format) = (ffi::BUFFER_TYPE_VERTEX, ffi::FORMAT_FLOAT3);
+        geometry.buffer::<[f32; 3]>(kind, format, positions.len())?.copy_from_slice(positions);
+        let (kind, format) = (ffi::BUFFER_TYPE_INDEX, ffi::FORMAT_UINT3);
+        geometry.buffer::<[u32; 3]>(kind, format, triangles.len())?.copy_from_slice(triangles);
+        Self::committed(device, &geometry, ffi::SCENE_FLAG_ROBUST)
+    }
+
+    /// A scene of one filled geometry of its device.
+    fn committed(device: Device, geometry: &Geometry, flags: u32) -> Result<Self, String> {
+        // SAFETY: device and geometry are alive; all buffers are set and filled.
+        let raw = unsafe { ffi::rtcNewScene(device.as_ptr()) };
+        let scene = Self { raw: NonNull::new(raw).ok_or("Embree makes no scene")?, device };
         // SAFETY: scene and geometry are alive and belong to one device; the scene takes its own
         // reference to the geometry.
         unsafe {

@@ -6,6 +6,7 @@
 //! * `build`: surface area heuristic \[Wald2007, binned\], in parallel. Every decision depends on the
 //!   boxes and their order alone, so the tree is the same for any number of threads.
 //! * `traverse`: front to back, for the closest or for any hit.
+//! * `wide`: the same with sixteen children a node, tested all at once.
 //! * `validate`: the check that a tree is well formed.
 //!
 //! Boxes are stored grown by [`GROWTH`] of their largest coordinate. Leaf work may therefore
@@ -19,9 +20,11 @@ pub(crate) mod random;
 pub(crate) mod rounding;
 mod traverse;
 mod validate;
+mod wide;
 
 pub use aabb::{Aabb, SlabRay};
 pub use validate::BvhError;
+pub(crate) use wide::{Visit, WideBvh};
 
 /// By how much a box is grown, as a fraction of its largest coordinate.
 pub const GROWTH: f64 = 128.0 * f64::EPSILON;

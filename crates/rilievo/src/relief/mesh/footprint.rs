@@ -14,14 +14,50 @@ const FINE: f64 = 16.0;
 /// Runs of an axis beyond which the whole map is taken for shown.
 const MANY_RUNS: usize = 6;
 
+/// The box of a footprint in lattice coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl Area {
+    #[inline]
+    pub fn of([a, b, c]: [[f64; 2]; 3]) -> Self {
+        let least = |k: usize| a[k].min(b[k]).min(c[k]);
+        let most = |k: usize| a[k].max(b[k]).max(c[k]);
+        Self { low: [least(0), least(1)], high: [most(0), most(1)] }
+    }
+
+    /// The longer side.
+    #[inline]
+    pub fn extent(&self) -> f64 {
+        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
+    }
+
+    /// First cell and one past the last cell along each axis that the widened box touches.
+    #[inline]
+    pub fn cells(&self) -> [[i32; 2]; 2] {
+        let first = |k: usize| floor(self.low[k] - MARGIN);
+        let end = |k: usize| floor(self.high[k] + MARGIN) + 1;
+        [[first(0), end(0)], [first(1), end(1)]]
+    }
+}
+
+/// The whole number at or below, by a cast, which saturates: faster than a call.
+#[inline(always)]
+pub(super) fn floor(x: f64) -> i32 {
+    let whole = x as i32;
+    whole.saturating_sub(i32::from(x < f64::from(whole)))
+}
+
 /// A closed triangle in lattice coordinates; it may be a segment or a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Footprint {
     corners: [[f64; 2]; 3],
     /// Outward normals of the sides, and twice for those of a segment.
     sides: [Side; 3],
-    pub low: [f64; 2],
-    pub high: [f64; 2],
+    pub area: Area,
 }
 
 /// A half plane that holds the triangle: `normal . p <= limit`, and `>= least` where it is flat.
@@ -48,27 +84,14 @@ impl Footprint {
                 least: values[0].min(values[1]).min(values[2]),
             }
         });
-        let low = [0, 1].map(|k| a[k].min(b[k]).min(c[k]));
-        let high = [0, 1].map(|k| a[k].max(b[k]).max(c[k]));
-        Self { corners, sides, low, high }
-    }
-
-    /// The longer side of its box.
-    pub fn extent(&self) -> f64 {
-        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
-    }
-
-    /// First cell and one past the last cell along each axis that the widened footprint touches.
-    pub fn cells(&self) -> [[i32; 2]; 2] {
-        [0, 1].map(|k| {
-            let first = (self.low[k] - MARGIN).floor() as i32;
-            [first, (self.high[k] + MARGIN).floor() as i32 + 1]
-        })
+        Self { corners, sides, area: Area::of(corners) }
     }
 
     /// Whether a box lies outside of the footprint, by more than the margin.
     pub fn misses(&self, low: [f64; 2], high: [f64; 2]) -> bool {
-        if (0..2).any(|k| low[k] > self.high[k] + MARGIN || high[k] < self.low[k] - MARGIN) {
+        if (0..2)
+            .any(|k| low[k] > self.area.high[k] + MARGIN || high[k] < self.area.low[k] - MARGIN)
+        {
             return true;
         }
         let a = self.corners[0];
@@ -91,7 +114,7 @@ impl Footprint {
     pub fn raw_range(&self, relief: &Relief) -> [f32; 2] {
         let (heights, pyramid) = (relief.heights(), relief.pyramid());
         let (low, high) = heights.raw_range();
-        let [x, y] = self.cells();
+        let [x, y] = self.area.cells();
         let runs = [(heights.x(), x), (heights.y(), y)].map(|(axis, [first, end])| {
             let mut runs = Vec::new();
             let mut at = first;
@@ -105,7 +128,7 @@ impl Footprint {
         if runs.iter().any(|runs| runs.len() > MANY_RUNS) {
             return [low, high];
         }
-        let least = self.extent() / FINE;
+        let least = self.area.extent() / FINE;
         let mut search = Search {
             footprint: self,
             heights,

@@ -80,7 +80,7 @@ impl Frame {
         if !inverse.is_finite() {
             return Self::BLIND;
         }
-        let [a, b] = sheet.rise_along.map(|n| inverse * n);
+        let (a, b) = (inverse * sheet.rise_along[0], inverse * sheet.rise_along[1]);
         let (half, bend) = match region {
             Region::Triangle(corners, height) => {
                 let bend = corners.map(|[x, y]| (a * x + b * y).abs());
@@ -116,9 +116,11 @@ impl Frame {
 pub(super) fn keep([from, to]: [f64; 2], start: f64, speed: f64, least: f64) -> [f64; 2] {
     let short = least - start;
     if speed > 0.0 {
-        [from.max(short / speed), to]
+        let t = short / speed;
+        [if t > from { t } else { from }, to]
     } else if speed < 0.0 {
-        [from, to.min(short / speed)]
+        let t = short / speed;
+        [from, if t < to { t } else { to }]
     } else if short > 0.0 {
         [from, f64::NEG_INFINITY]
     } else {

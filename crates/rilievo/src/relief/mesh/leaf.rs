@@ -192,10 +192,11 @@ impl Search<'_> {
     /// front.
     fn halves(&self, part: Part, local: &Local) -> [Part; 2] {
         let size = part.high - part.low;
-        let moves = [0, 1].map(|k| {
+        let moves = |k: usize| {
             let f = local.along[k];
             f.x.abs().max(f.y.abs()) * size[k]
-        });
+        };
+        let moves = [moves(0), moves(1)];
         // Where the ray sees neither side move, the longer one.
         let side = match moves {
             [x, y] if x == y => usize::from(size.y > size.x),

@@ -31,6 +31,7 @@ mod options;
 mod patch;
 mod prism;
 mod seams;
+mod search;
 mod vertices;
 mod walk;
 mod wall;
@@ -40,24 +41,21 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::accel::{Aabb, Bvh};
+use crate::accel::{Aabb, WideBvh};
 use crate::hit::Hit;
 use crate::mesh::{Mesh, MeshData};
 use crate::probe::Probe;
 use crate::ray::Ray;
-use crate::simd;
 
 use super::Relief;
 use super::method::Method;
 use super::options::Displacement;
 use footprint::{Footprint, MARGIN};
-use line::MeshRay;
-use nearest::{Candidate, Nearest};
+use nearest::Candidate;
 pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
 use prism::{Prism, Shape};
 use seams::Seams;
 use vertices::{Offsets, Vertex, Vertices};
-use walk::PrismWalk;
 use wall::{Side, Wall};
 
 /// Largest magnitude of a lattice coordinate.
@@ -82,7 +80,7 @@ pub struct ReliefMesh {
     walls: Vec<Wall>,
     /// Items of the tree: prisms, then walls after all prisms.
     items: Vec<u32>,
-    tree: Bvh,
+    tree: WideBvh,
     /// Bounds all coordinates of rays in the mesh's box and of the mesh, with a factor to spare.
     reach: f64,
     /// By how much heights of reported roots may lie outside of the bounds of their cell.
@@ -151,7 +149,7 @@ impl ReliefMesh {
             prisms,
             walls: seams.walls,
             items: Vec::new(),
-            tree: Bvh::default(),
+            tree: WideBvh::default(),
             reach,
         };
         all.report.seam_walls = seams.between;
@@ -205,7 +203,7 @@ impl ReliefMesh {
             let bounds = self.around(&wall.ends, range);
             boxes.push(bounds.grown(4.0 * wall::OVERLAP * self.reach));
         }
-        self.tree = Bvh::build(&boxes, 1);
+        self.tree = WideBvh::build(&boxes, self.reach);
     }
 
     /// The box of vertices displaced by a range of heights.
@@ -241,6 +239,30 @@ impl ReliefMesh {
         &self.data
     }
 
+    /// The point of the displaced surface over a base triangle at barycentric weights of its corners.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn point(&self, triangle: u32, weights: [f64; 3]) -> DVec3 {
+        let prism = &self.prisms[triangle as usize];
+        let corners = prism.corners.map(|k| self.vertices[k as usize]);
+        let mixed = |values: [f64; 3]| (0..3).map(|k| weights[k] * values[k]).sum::<f64>();
+        let at = [0, 1].map(|k| mixed(prism.lattice.map(|p| p[k])));
+        let raw = self.relief.heights().raw_at_lattice(at[0], at[1]);
+        let height = raw - f64::from(self.offsets.level);
+        let points = corners.map(|v| v.base + height * v.rise);
+        self.centre + weights[0] * points[0] + weights[1] * points[1] + weights[2] * points[2]
+    }
+
+    /// Area of a base triangle's uv, in cells of the map.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn cells_under(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.prisms[triangle as usize].lattice.map(glam::DVec2::from_array);
+        0.5 * (b - a).perp_dot(c - a).abs()
+    }
+
     /// Bytes held beyond the relief, the base mesh included.
     pub fn bytes(&self) -> u64 {
         let parts = size_of_val(self.vertices.as_slice())
@@ -265,37 +287,6 @@ impl ReliefMesh {
     /// normals and position.
     pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<MeshCrossing> {
         self.search(ray, false, probe)
-    }
-
-    fn search<P: Probe>(&self, ray: &Ray, any: bool, probe: &mut P) -> Option<MeshCrossing> {
-        let line = MeshRay::new(&self.lifted(ray), self.centre, &self.tree.bounds())?;
-        let mut nearest = Nearest::new(line.t_max, any);
-        let count = self.prisms.len() as u32;
-        let mut visit = |item: u32, probe: &mut P| {
-            let index = self.items[item as usize];
-            if index >= count {
-                let wall = &self.walls[(index - count) as usize];
-                wall.meet(index, self, &line, &mut nearest);
-            } else {
-                let nearest = &mut nearest;
-                let walk = PrismWalk { mesh: self, index, ray: &line, nearest, probe };
-                match self.options.method {
-                    Method::Dda => walk::every_cell(walk),
-                    _ => simd::run(self.options.simd, walk),
-                };
-            }
-            (nearest.limit(), nearest.is_over())
-        };
-        if any {
-            self.tree.any(&line.as_ray(), probe, |item, _, probe| visit(item, probe).1);
-        } else {
-            self.tree.closest(&line.as_ray(), probe, |item, ray, probe| {
-                ray.t_max = visit(item, probe).0;
-            });
-        }
-        let candidate = nearest.found?;
-        let t = (line.t_start + candidate.t).min(ray.t_max);
-        Some(MeshCrossing { t, candidate })
     }
 
     /// Height over the level that a side of an edge shows.

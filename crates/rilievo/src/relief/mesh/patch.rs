@@ -45,7 +45,8 @@ pub(super) struct Heights {
 impl Heights {
     /// Counted from `level`; differences of two `f32` of one map are exact, or as good as.
     pub fn new(corners: [f32; 4], level: f32) -> Self {
-        let [h00, h10, h01, h11] = corners.map(|h| f64::from(h) - f64::from(level));
+        let over = |k: usize| f64::from(corners[k]) - f64::from(level);
+        let (h00, h10, h01, h11) = (over(0), over(1), over(2), over(3));
         Self { a: h00, b: h10 - h00, c: h01 - h00, d: (h11 - h01) - (h10 - h00) }
     }
 
@@ -69,11 +70,15 @@ pub(super) struct Seen {
 
 impl Seen {
     pub fn new(ray: &MeshRay, prism: &Prism, vertices: &[Vertex], half_range: f64) -> Self {
-        let corners = prism.corners.map(|k| vertices[k as usize]);
-        let [a, b, c] = corners.map(|v| ray.sheared(v.base - ray.origin));
-        let [n, o, p] = corners.map(|v| ray.sheared(v.rise));
-        let largest = |v: [DVec3; 3]| v[0].abs().max(v[1].abs()).max(v[2].abs()).max_element();
-        let size = largest([a, b, c]) + half_range * largest([n, o, p]);
+        let corner = |k: usize| vertices[prism.corners[k] as usize];
+        let (first, second, third) = (corner(0), corner(1), corner(2));
+        let base = |v: Vertex| ray.sheared(v.base - ray.origin);
+        let (a, b, c) = (base(first), base(second), base(third));
+        let rise = |v: Vertex| ray.sheared(v.rise);
+        let (n, o, p) = (rise(first), rise(second), rise(third));
+        let largest =
+            |a: DVec3, b: DVec3, c: DVec3| a.abs().max(b.abs()).max(c.abs()).max_element();
+        let size = largest(a, b, c) + half_range * largest(n, o, p);
         Self {
             base: a,
             rise: n,
@@ -106,16 +111,17 @@ const SPARE: f64 = 1.0 / (1u64 << 40) as f64;
 impl<'a> CellPatch<'a> {
     pub fn new(seen: &Seen, prism: &'a Prism, cell: [i32; 2], heights: Heights) -> Self {
         let [g, h] = prism.weights;
-        let along = |edges: &[DVec3; 2]| [0, 1].map(|k| g[k] * edges[0] + h[k] * edges[1]);
+        let along = |[e, f]: [DVec3; 2]| [g[0] * e + h[0] * f, g[1] * e + h[1] * f];
         let corner = DVec2::new(
             f64::from(cell[0]) - prism.lattice[0][0],
             f64::from(cell[1]) - prism.lattice[0][1],
         );
         let [mut low, mut high] = [DVec2::ZERO, DVec2::ONE];
         for k in 0..2 {
-            let [a, b, c] = prism.lattice.map(|p| p[k] - f64::from(cell[k]));
-            low[k] = a.min(b).min(c).clamp(0.0, 1.0);
-            high[k] = a.max(b).max(c).clamp(0.0, 1.0);
+            let [a, b, c] = prism.lattice;
+            let first = f64::from(cell[k]);
+            low[k] = (a[k].min(b[k]).min(c[k]) - first).clamp(0.0, 1.0);
+            high[k] = (a[k].max(b[k]).max(c[k]) - first).clamp(0.0, 1.0);
         }
         Self {
             prism,
@@ -125,8 +131,8 @@ impl<'a> CellPatch<'a> {
             high: high + SPARE,
             base: seen.base,
             rise: seen.rise,
-            base_along: along(&seen.base_edges),
-            rise_along: along(&seen.rise_edges),
+            base_along: along(seen.base_edges),
+            rise_along: along(seen.rise_edges),
             rounding: seen.rounding,
         }
     }

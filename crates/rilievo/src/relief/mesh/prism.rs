@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::footprint::{Footprint, MARGIN};
+use super::footprint::{Area, Footprint, MARGIN};
 use super::frame::{Frame, Region};
 use super::vertices::Vertex;
 
@@ -137,21 +137,30 @@ impl Prism {
         64.0 * f64::EPSILON * self.condition * reach
     }
 
+    /// The box of its footprint.
+    #[inline]
+    pub fn area(&self) -> Area {
+        Area::of(self.lattice)
+    }
+
     pub fn footprint(&self) -> Footprint {
         Footprint::new(self.lattice)
     }
 
     /// The sheet over lattice coordinates; for [`Shape::Thread`] without meaning.
+    #[inline]
     pub fn sheet(&self, vertices: &[Vertex]) -> Sheet {
-        let [a, b, c] = self.corners.map(|k| vertices[k as usize]);
+        let corner = |k: usize| &vertices[self.corners[k] as usize];
+        let (a, b, c) = (corner(0), corner(1), corner(2));
         let [g, h] = self.weights;
-        let along = |k: usize, a: DVec3, b: DVec3, c: DVec3| g[k] * (b - a) + h[k] * (c - a);
+        let (e, f) = (b.base - a.base, c.base - a.base);
+        let (n, o) = (b.rise - a.rise, c.rise - a.rise);
         Sheet {
             corner: self.lattice[0],
             base: a.base,
-            base_along: [0, 1].map(|k| along(k, a.base, b.base, c.base)),
+            base_along: [g[0] * e + h[0] * f, g[1] * e + h[1] * f],
             rise: a.rise,
-            rise_along: [0, 1].map(|k| along(k, a.rise, b.rise, c.rise)),
+            rise_along: [g[0] * n + h[0] * o, g[1] * n + h[1] * o],
         }
     }
 

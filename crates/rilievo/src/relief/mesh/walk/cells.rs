@@ -16,7 +16,7 @@ pub(super) struct Cells<'a, P> {
     pub prism: &'a Prism,
     pub ray: &'a MeshRay,
     /// The prism as the ray sees it, once a cell asks.
-    pub seen: Option<Seen>,
+    pub seen: &'a mut Option<Seen>,
     pub nearest: &'a mut Nearest,
     pub probe: &'a mut P,
 }
@@ -57,7 +57,7 @@ impl<P: Probe> Cells<'_, P> {
     /// Shows every cell under the prism to the leaf; says whether the search is over.
     pub fn all(&mut self) -> bool {
         let footprint = self.prism.footprint();
-        let [x, y] = footprint.cells();
+        let [x, y] = footprint.area.cells();
         for j in y[0]..y[1] {
             for i in x[0]..x[1] {
                 let low = [f64::from(i), f64::from(j)];

@@ -6,9 +6,8 @@ use crate::map::Run;
 use crate::probe::Probe;
 use crate::simd::Lanes;
 
-use super::super::footprint::{Footprint, MARGIN};
+use super::super::footprint::{Area, MARGIN};
 use super::super::frame::Path;
-use super::super::prism::Sheet;
 use super::cells::Cells;
 use super::forward::Forward;
 use super::shown;
@@ -25,7 +24,7 @@ const FEW_CELLS: i32 = 8;
 
 /// A node or block that waits.
 #[derive(Clone, Copy)]
-pub(super) struct Node {
+struct Node {
     /// Level of the pyramid; -1 for a block of 4 x 4 cells.
     level: i32,
     /// Its place among nodes or blocks, forward.
@@ -50,7 +49,7 @@ impl Node {
 
 /// What a path knows about its frame.
 #[derive(Clone, Copy)]
-pub(super) struct Framed {
+struct Framed {
     path: Path,
     blind: bool,
     /// Size of the region the frame was made for: cells times heights.
@@ -60,11 +59,16 @@ pub(super) struct Framed {
 /// The walk through the pyramid under one prism.
 pub(super) struct Descent<'a, P> {
     pub cells: Cells<'a, P>,
-    pub footprint: Footprint,
-    pub sheet: Sheet,
+    pub area: Area,
+    pub scratch: &'a mut Scratch,
+}
+
+/// Memory of a walk, kept from prism to prism.
+#[derive(Default)]
+pub(in super::super) struct Scratch {
     /// By depth: 0 is the prism's own.
-    pub frames: Vec<Framed>,
-    pub waiting: Vec<Node>,
+    frames: Vec<Framed>,
+    waiting: Vec<Node>,
 }
 
 impl<P: Probe> Descent<'_, P> {
@@ -79,7 +83,8 @@ impl<P: Probe> Descent<'_, P> {
         let blind = self.cells.prism.frame.is_blind();
         let forward = Forward::new(runs, cells, if blind { DVec3::ONE } else { path.speed });
         let path = forward.path(path);
-        let part = [0, 1].map(|k| shown(&path, k, span, [forward.first[k], forward.end[k]], blind));
+        let cells = |k: usize| shown(&path, k, span, [forward.first[k], forward.end[k]], blind);
+        let part = [cells(0), cells(1)];
         let size = (part[0][1] - part[0][0]).max(part[1][1] - part[1][0]);
         if part[0][0] >= part[0][1] || part[1][0] >= part[1][1] {
             return false;
@@ -93,10 +98,10 @@ impl<P: Probe> Descent<'_, P> {
         }
         let bits = 2 * (level + 1) + 2;
         let prism = self.cells.prism;
-        let area = self.footprint.extent();
-        let framed = Framed { path, blind, size: area * (prism.range[1] - prism.range[0]) };
-        self.frames.clear();
-        self.frames.push(framed);
+        let extent = self.area.extent();
+        let framed = Framed { path, blind, size: extent * (prism.range[1] - prism.range[0]) };
+        self.scratch.frames.clear();
+        self.scratch.frames.push(framed);
         for y in ((part[1][0] >> bits)..=((part[1][1] - 1) >> bits)).rev() {
             for x in ((part[0][0] >> bits)..=((part[0][1] - 1) >> bits)).rev() {
                 let node = Node {
@@ -108,12 +113,12 @@ impl<P: Probe> Descent<'_, P> {
                     heights: prism.range,
                     loose: true,
                 };
-                self.waiting.push(node);
+                self.scratch.waiting.push(node);
             }
         }
-        while let Some(node) = self.waiting.pop() {
+        while let Some(node) = self.scratch.waiting.pop() {
             if self.enter::<L>(&forward, node) {
-                self.waiting.clear();
+                self.scratch.waiting.clear();
                 return true;
             }
         }
@@ -128,15 +133,15 @@ impl<P: Probe> Descent<'_, P> {
             return false;
         }
         let side = node.side();
-        let mut framed = self.frames[node.frame];
+        let mut framed = self.scratch.frames[node.frame];
         let error = framed.path.error.x.max(framed.path.error.y);
         let coarse = framed.blind || error > LARGE * 0.25 * f64::from(side);
         if coarse && let Some(better) = self.better_frame(forward, &node, &framed) {
-            self.frames.truncate(node.depth + 1);
-            while self.frames.len() <= node.depth {
-                self.frames.push(better);
+            self.scratch.frames.truncate(node.depth + 1);
+            while self.scratch.frames.len() <= node.depth {
+                self.scratch.frames.push(better);
             }
-            self.frames[node.depth] = better;
+            self.scratch.frames[node.depth] = better;
             node.frame = node.depth;
             node.loose = true;
             framed = better;
@@ -176,7 +181,7 @@ impl<P: Probe> Descent<'_, P> {
             let first = f64::from((node.place[k] * side).max(forward.first[k]));
             let end = f64::from(((node.place[k] + 1) * side).min(forward.end[k]));
             let (sign, shift) = (f64::from(forward.sign[k]), f64::from(forward.shift[k]));
-            let ends = [self.footprint.low[k], self.footprint.high[k]].map(|x| sign * x + shift);
+            let ends = [self.area.low[k], self.area.high[k]].map(|x| sign * x + shift);
             low[k] = first.max(ends[0].min(ends[1])) - MARGIN;
             high[k] = end.min(ends[0].max(ends[1])) + MARGIN;
             if low[k] > high[k] {
@@ -190,7 +195,8 @@ impl<P: Probe> Descent<'_, P> {
         if size > WORTH * old.size {
             return None;
         }
-        let frame = forward.reframed(&self.sheet, [low, high], prism.rounding(mesh.reach));
+        let frame =
+            forward.reframed(&prism.sheet(&mesh.vertices), [low, high], prism.rounding(mesh.reach));
         if frame.is_blind() {
             return None;
         }
@@ -210,7 +216,8 @@ impl<P: Probe> Descent<'_, P> {
         let [low, high] = heights;
         let (mut hits, mut spans) = (u16::MAX, None);
         if !framed.blind {
-            let corner = node.place.map(|x| f64::from(x * side));
+            let [x, y] = node.place;
+            let corner = [f64::from(x * side), f64::from(y * side)];
             let square = Square::new(&framed.path, node.span, corner, (side, mesh));
             let met = square.parts::<L>(low, high);
             hits = met.bits;
@@ -239,13 +246,13 @@ impl<P: Probe> Descent<'_, P> {
                 ],
                 None => node.span,
             };
-            self.waiting.push(Node {
+            self.scratch.waiting.push(Node {
                 level: node.level - 1,
                 place,
                 span,
                 depth: node.depth + 1,
                 frame: node.frame,
-                heights: [low[lane], high[lane]].map(f64::from),
+                heights: [f64::from(low[lane]), f64::from(high[lane])],
                 loose: false,
             });
         }
@@ -257,7 +264,8 @@ impl<P: Probe> Descent<'_, P> {
         let mesh = self.cells.mesh;
         let mut hits = u16::MAX;
         if !framed.blind {
-            let corner = node.place.map(|x| f64::from(4 * x));
+            let [x, y] = node.place;
+            let corner = [f64::from(4 * x), f64::from(4 * y)];
             let square = Square::new(&framed.path, node.span, corner, (4, mesh));
             let corners = square::cell_corners::<L>(mesh, node.place, forward.turn);
             hits = square.cells::<L>(corners);
@@ -272,7 +280,7 @@ impl<P: Probe> Descent<'_, P> {
             let cell = forward.unfolded(cell);
             if framed.blind {
                 let low = cell.map(f64::from);
-                if self.footprint.misses(low, low.map(|x| x + 1.0)) {
+                if self.cells.prism.footprint().misses(low, low.map(|x| x + 1.0)) {
                     continue;
                 }
             }

@@ -27,16 +27,17 @@ mod square;
 
 use crate::map::{Axis, Run};
 use crate::probe::Probe;
-use crate::simd::{Kernel, Lanes};
+use crate::simd::Lanes;
 
 use super::ReliefMesh;
-use super::footprint::MARGIN;
+use super::footprint::{MARGIN, floor};
 use super::frame::{Path, keep};
 use super::line::MeshRay;
 use super::nearest::Nearest;
 use super::prism::{Prism, Shape};
 use cells::Cells;
 use descent::Descent;
+pub(super) use descent::Scratch;
 
 /// One ray through one prism; says whether the search is over.
 pub(super) struct PrismWalk<'a, P> {
@@ -44,17 +45,18 @@ pub(super) struct PrismWalk<'a, P> {
     pub index: u32,
     pub ray: &'a MeshRay,
     pub nearest: &'a mut Nearest,
+    pub scratch: &'a mut Scratch,
     pub probe: &'a mut P,
 }
 
-impl<P: Probe> Kernel for PrismWalk<'_, P> {
-    type Output = bool;
-
+impl<P: Probe> PrismWalk<'_, P> {
+    /// [`Method::Pyramid`](super::Method::Pyramid).
     #[inline(always)]
-    fn run<L: Lanes>(self) -> bool {
-        let Self { mesh, index, ray, nearest, probe } = self;
+    pub fn through_pyramid<L: Lanes>(self) -> bool {
+        let Self { mesh, index, ray, nearest, scratch, probe } = self;
         let prism = &mesh.prisms[index as usize];
-        let mut cells = Cells { mesh, index, prism, ray, seen: None, nearest, probe };
+        let seen = &mut None;
+        let mut cells = Cells { mesh, index, prism, ray, seen, nearest, probe };
         if prism.shape == Shape::Thread {
             return cells.all();
         }
@@ -66,12 +68,10 @@ impl<P: Probe> Kernel for PrismWalk<'_, P> {
                 return false;
             }
         }
-        let footprint = prism.footprint();
-        let [x, y] = footprint.cells();
+        let area = prism.area();
+        let [x, y] = area.cells();
         let (blind, heights) = (prism.frame.is_blind(), mesh.relief.heights());
-        let sheet = prism.sheet(&mesh.vertices);
-        let mut descent =
-            Descent { cells, footprint, sheet, frames: Vec::new(), waiting: Vec::new() };
+        let mut descent = Descent { cells, area, scratch };
         for run_x in runs(heights.x(), shown(&path, 0, span, x, blind)) {
             let ends = [f64::from(run_x.start), f64::from(run_x.end())];
             let span = if blind { span } else { path.within(span, 0, ends) };
@@ -89,13 +89,14 @@ impl<P: Probe> Kernel for PrismWalk<'_, P> {
         }
         false
     }
-}
 
-/// Every cell under one prism; says whether the search is over.
-pub(super) fn every_cell<P: Probe>(walk: PrismWalk<'_, P>) -> bool {
-    let PrismWalk { mesh, index, ray, nearest, probe } = walk;
-    let prism = &mesh.prisms[index as usize];
-    Cells { mesh, index, prism, ray, seen: None, nearest, probe }.all()
+    /// [`Method::Dda`](super::Method::Dda).
+    #[inline(never)]
+    pub fn every_cell(self) -> bool {
+        let Self { mesh, index, ray, nearest, probe, .. } = self;
+        let prism = &mesh.prisms[index as usize];
+        Cells { mesh, index, prism, ray, seen: &mut None, nearest, probe }.all()
+    }
 }
 
 /// The span of a path inside of a prism, widened.
@@ -130,8 +131,7 @@ fn shown(
     }
     let (a, b) = (path.at(span[0])[axis], path.at(span[1])[axis]);
     let room = path.error[axis] + MARGIN;
-    // Casts saturate.
-    let (low, high) = ((a.min(b) - room).floor() as i32, (a.max(b) + room).floor() as i32);
+    let (low, high) = (floor(a.min(b) - room), floor(a.max(b) + room));
     [first.max(low), end.min(high.saturating_add(1))]
 }
 

@@ -206,7 +206,7 @@ pub(super) fn child_heights<L: Lanes>(
 #[inline(always)]
 pub(super) fn cell_corners<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [i32; 2]) -> [L; 4] {
     let map = mesh.relief.heights();
-    let cell = [0, 1].map(|k| 4 * (place[k] ^ turn[k]) as u32);
+    let cell = [4 * (place[0] ^ turn[0]) as u32, 4 * (place[1] ^ turn[1]) as u32];
     let [h00, h10, h01, h11] = match map.samples() {
         Samples::U16(samples) => {
             let rows = block_rows(map, samples, cell);

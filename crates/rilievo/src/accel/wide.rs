@@ -1,0 +1,253 @@
+//! [`WideBvh`]: a hierarchy of sixteen children a node, for shapes in a frame of their own.
+//!
+//! It is made from a [`Bvh`] of one item a leaf by opening, in each node, the child with the largest
+//! surface until there are sixteen. Boxes are `f32` and tested all at once.
+//!
+//! **Rounding.** With coordinates of boxes and of the ray's start up to `reach` and `u = 2^-24`: rounding a box, the
+//! start and the direction moves a point of the ray against a face by at most `4 u reach` each for
+//! parameters that stay in the frame; the computed parameter of a face is the exact one of a face moved by `4 u` of its distance,
+//! at most `8 u reach`; a component of the direction below `2^-30` of the largest is taken for that, which
+//! moves points by less. So boxes are grown by `32 u reach`. Parameters are compared with a limit that is
+//! rounded up.
+
+use super::{Aabb, Bvh};
+use crate::probe::Probe;
+use crate::ray::Ray;
+use crate::simd::{Lanes, WIDTH};
+
+/// Marks a child that is an item.
+const ITEM: u32 = 1 << 31;
+
+/// A child that is not there.
+const NONE: u32 = u32::MAX;
+
+/// By how much boxes are grown, as a share of the reach.
+const GROWN: f64 = 32.0 / (1 << 24) as f64;
+
+/// Sixteen children, side by side.
+#[derive(Clone, Debug)]
+struct Node {
+    /// Smallest corners by axis.
+    low: [[f32; WIDTH]; 3],
+    /// Largest corners by axis.
+    high: [[f32; WIDTH]; 3],
+    children: [u32; WIDTH],
+}
+
+/// A hierarchy of sixteen children a node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct WideBvh {
+    nodes: Vec<Node>,
+    bounds: Option<Aabb>,
+}
+
+/// What happens at an item.
+pub(crate) trait Visit<P> {
+    /// Visits an item; the new limit of the parameter, or none to end the walk. Must be
+    /// `#[inline(always)]`.
+    fn visit<L: Lanes>(&mut self, item: u32, probe: &mut P) -> Option<f64>;
+}
+
+impl WideBvh {
+    /// A tree over `boxes`, whose coordinates, and those of rays' starts, are at most `reach`.
+    ///
+    /// # Panics
+    /// If there are `2^31` boxes or more.
+    pub fn build(boxes: &[Aabb], reach: f64) -> Self {
+        let tree = Bvh::build(boxes, 1);
+        let mut wide = Self { nodes: Vec::new(), bounds: None };
+        if tree.nodes.is_empty() {
+            return wide;
+        }
+        wide.bounds = Some(tree.bounds());
+        let grown = GROWN * reach;
+        // Places in `nodes` beside the binary nodes they are made from.
+        wide.nodes.push(Node::EMPTY);
+        let mut waiting = vec![(0usize, 0u32)];
+        while let Some((place, from)) = waiting.pop() {
+            let children = opened(&tree, from);
+            for (lane, &child) in children.iter().enumerate() {
+                let node = &tree.nodes[child as usize];
+                let bounds = node.bounds.grown(grown);
+                for axis in 0..3 {
+                    let out = &mut wide.nodes[place];
+                    out.low[axis][lane] = (bounds.min[axis] as f32).next_down();
+                    out.high[axis][lane] = (bounds.max[axis] as f32).next_up();
+                }
+                wide.nodes[place].children[lane] = if node.count > 0 {
+                    ITEM | tree.items[node.first as usize]
+                } else {
+                    waiting.push((wide.nodes.len(), child));
+                    wide.nodes.push(Node::EMPTY);
+                    wide.nodes.len() as u32 - 1
+                };
+            }
+        }
+        wide
+    }
+
+    /// The box around everything; empty for an empty tree.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds.unwrap_or(Aabb::EMPTY)
+    }
+
+    /// Memory held, in bytes.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(self.nodes.as_slice()) as u64
+    }
+
+    /// Visits items whose boxes the ray may meet within `[0, t_max]`, nearer nodes first, until a
+    /// visit ends the walk or lowers the limit so that nothing is left.
+    #[inline(always)]
+    pub fn walk<L: Lanes, P: Probe>(&self, ray: &Ray, visitor: &mut impl Visit<P>, probe: &mut P) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let largest = ray.direction.abs().max_element();
+        let least = largest / f64::from(1 << 30);
+        let (mut start, mut inverse) = ([0.0f32; 3], [0.0f32; 3]);
+        for axis in 0..3 {
+            let d = ray.direction[axis];
+            // In lengths of the largest component, so that no scale overflows.
+            let d = (if d.abs() < least { least } else { d }) / largest;
+            start[axis] = ray.origin[axis] as f32;
+            inverse[axis] = 1.0 / d as f32;
+        }
+        let rounded = |t: f64| ((t * largest) as f32).next_up();
+        let mut limit = rounded(ray.t_max);
+        let mut waiting: Vec<(u32, f32)> = Vec::with_capacity(64);
+        waiting.push((0, 0.0));
+        while let Some((index, entry)) = waiting.pop() {
+            if entry > limit {
+                continue;
+            }
+            if index & ITEM != 0 {
+                match visitor.visit::<L>(index & !ITEM, probe) {
+                    Some(t_max) => limit = rounded(t_max),
+                    None => return,
+                }
+                continue;
+            }
+            probe.node();
+            let node = &self.nodes[index as usize];
+            let mut near = L::splat(0.0);
+            let mut far = L::splat(limit);
+            for axis in 0..3 {
+                let (origin, inverse_lanes) = (L::splat(start[axis]), L::splat(inverse[axis]));
+                let low = L::load(&node.low[axis]).minus(origin).times(inverse_lanes);
+                let high = L::load(&node.high[axis]).minus(origin).times(inverse_lanes);
+                let forward = inverse[axis] >= 0.0;
+                let (enter, leave) = if forward { (low, high) } else { (high, low) };
+                near = near.larger(enter);
+                far = far.smaller(leave);
+            }
+            let mut hits = L::bits(near.at_most(far));
+            if hits == 0 {
+                continue;
+            }
+            let near = near.store();
+            let first = waiting.len();
+            while hits != 0 {
+                let lane = hits.trailing_zeros() as usize % WIDTH;
+                hits &= hits - 1;
+                // The nearest comes last: it is taken first.
+                let mut at = waiting.len();
+                waiting.push((node.children[lane], near[lane]));
+                while at > first && waiting[at - 1].1 < waiting[at].1 {
+                    waiting.swap(at - 1, at);
+                    at -= 1;
+                }
+            }
+        }
+    }
+}
+
+impl Node {
+    /// No children: boxes that no ray meets.
+    const EMPTY: Self =
+        Self { low: [[f32::MAX; WIDTH]; 3], high: [[f32::MIN; WIDTH]; 3], children: [NONE; WIDTH] };
+}
+
+/// Up to sixteen nodes that together make a binary node.
+fn opened(tree: &Bvh, from: u32) -> Vec<u32> {
+    let mut open = vec![from];
+    while open.len() < WIDTH {
+        let area = |&&at: &&usize| tree.nodes[open[at] as usize].bounds.surface_area();
+        let inner: Vec<usize> =
+            (0..open.len()).filter(|&at| tree.nodes[open[at] as usize].count == 0).collect();
+        let Some(&at) = inner.iter().max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
+        let child = open[at];
+        open[at] = child + 1;
+        open.push(tree.nodes[child as usize].first);
+    }
+    open
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::accel::SlabRay;
+    use crate::accel::random::Random;
+    use crate::simd::{Kernel, SimdLevel, run};
+
+    /// Notes what it is shown.
+    struct Notes(Vec<u32>);
+
+    impl Visit<()> for Notes {
+        #[inline(always)]
+        fn visit<L: Lanes>(&mut self, item: u32, (): &mut ()) -> Option<f64> {
+            self.0.push(item);
+            Some(f64::INFINITY)
+        }
+    }
+
+    struct Walk<'a>(&'a WideBvh, &'a Ray, &'a mut Notes);
+
+    impl Kernel for Walk<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn run<L: Lanes>(self) {
+            self.0.walk::<L, ()>(self.1, self.2, &mut ());
+        }
+    }
+
+    #[test]
+    fn every_box_that_is_met_is_visited() {
+        let mut random = Random(61);
+        for count in [0, 1, 2, 16, 17, 300, 2000] {
+            let boxes: Vec<Aabb> = (0..count)
+                .map(|_| {
+                    let (at, half) = (random.cube(), 0.05 * random.cube().abs());
+                    Aabb { min: at - half, max: at + half }
+                })
+                .collect();
+            let tree = WideBvh::build(&boxes, 4.0);
+            assert_eq!(tree.bounds().is_empty(), count == 0);
+            for case in 0..300 {
+                let mut ray = Ray::new(2.0 * random.cube(), random.direction());
+                if case % 3 == 0 {
+                    ray.direction[case % 2] = 0.0;
+                }
+                if let (1, Some(aimed)) = (case % 2, boxes.first()) {
+                    // At a corner, and in strange lengths.
+                    ray.direction = 1e30 * (aimed.max - ray.origin);
+                }
+                let mut notes = Notes(Vec::new());
+                run(SimdLevel::detect(), Walk(&tree, &ray, &mut notes));
+                let slab = SlabRay::new(&ray);
+                for (item, bounds) in (0..).zip(&boxes) {
+                    let met = slab.entry(bounds, f64::INFINITY).is_some();
+                    assert!(!met || notes.0.contains(&item), "{ray:?} {bounds:?}");
+                }
+                notes.0.sort_unstable();
+                assert!(notes.0.windows(2).all(|two| two[0] < two[1]), "twice");
+            }
+        }
+        let all = WideBvh::build(&[Aabb { min: DVec3::ZERO, max: DVec3::ONE }; 40], 1.0);
+        let mut notes = Notes(Vec::new());
+        run(SimdLevel::detect(), Walk(&all, &Ray::new(DVec3::NEG_X, DVec3::X), &mut notes));
+        assert_eq!(notes.0.len(), 40);
+    }
+}

@@ -1,0 +1,75 @@
+//! One ray against a mesh: the tree, and what is done at its items.
+
+use crate::accel::Visit;
+use crate::probe::Probe;
+use crate::ray::Ray;
+use crate::simd::{self, Kernel, Lanes};
+
+use super::line::MeshRay;
+use super::nearest::Nearest;
+use super::walk::{PrismWalk, Scratch};
+use super::{MeshCrossing, Method, ReliefMesh};
+
+impl ReliefMesh {
+    /// The nearest crossing, or any.
+    pub(super) fn search<P: Probe>(
+        &self,
+        ray: &Ray,
+        any: bool,
+        probe: &mut P,
+    ) -> Option<MeshCrossing> {
+        let line = MeshRay::new(&self.lifted(ray), self.centre, &self.tree.bounds())?;
+        let mut nearest = Nearest::new(line.t_max, any);
+        let search = Search { mesh: self, line: &line, nearest: &mut nearest, probe };
+        simd::run(self.options.simd, search);
+        let candidate = nearest.found?;
+        let t = (line.t_start + candidate.t).min(ray.t_max);
+        Some(MeshCrossing { t, candidate })
+    }
+}
+
+/// One ray against all items.
+struct Search<'a, P> {
+    mesh: &'a ReliefMesh,
+    line: &'a MeshRay,
+    nearest: &'a mut Nearest,
+    probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for Search<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { mesh, line, nearest, probe } = self;
+        let mut items = Items { mesh, line, nearest, scratch: Scratch::default() };
+        mesh.tree.walk::<L, P>(&line.as_ray(), &mut items, probe);
+    }
+}
+
+/// What is done at an item of the tree.
+struct Items<'a> {
+    mesh: &'a ReliefMesh,
+    line: &'a MeshRay,
+    nearest: &'a mut Nearest,
+    scratch: Scratch,
+}
+
+impl<P: Probe> Visit<P> for Items<'_> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, item: u32, probe: &mut P) -> Option<f64> {
+        let Self { mesh, line, nearest, scratch } = self;
+        let index = mesh.items[item as usize];
+        let count = mesh.prisms.len() as u32;
+        let over = if index >= count {
+            mesh.walls[(index - count) as usize].meet(index, mesh, line, nearest)
+        } else {
+            let walk = PrismWalk { mesh, index, ray: line, nearest, scratch, probe };
+            match mesh.options.method {
+                Method::Dda => walk.every_cell(),
+                _ => walk.through_pyramid::<L>(),
+            }
+        };
+        (!over).then(|| nearest.limit())
+    }
+}
