@@ -271,8 +271,9 @@ fn nothing_escapes_from_inside_of_a_closed_mesh() {
             let count = leaks.len();
             let escaped = leaks.iter().filter(|leak| leak.1 == 0).count();
             assert_eq!(escaped, 0, "{}: {:?}", case.name, leaks[0]);
-            // Where the surface folds over itself a spawned ray may start in a fold thinner than its lift.
-            let most = if mesh.report().folded.is_empty() { 0 } else { rays(2000) as usize / 500 };
+            // A spawned ray may pass a dip, or start in a fold, thinner than its lift.
+            let one_in = if mesh.report().folded.is_empty() { 20_000 } else { 500 };
+            let most = (rays(2000) / one_in) as usize;
             assert!(count <= most, "{}: {count} do not alternate, {:?}", case.name, leaks[0]);
         }
     }
