@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use rilievo::map::{HeightMap, Lattice, Layout, Wrap};
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{Displacement, Edges, MeshOptions, Method, Relief, ReliefMesh};
-use rilievo::{Ray, SimdLevel};
+use rilievo::{Counters, Ray, SimdLevel};
 use rilievo_tests::maps::Shape;
 use rilievo_tests::mesh_oracle::{Closing, MeshOracle};
 use rilievo_tests::meshes::Base;
@@ -347,6 +347,30 @@ fn degenerate_triangles_are_reported_and_not_lost() {
             assert!((hit.position.z - offset).abs() < 1e-12, "{method} {x} {y}");
         }
     }
+}
+
+/// A thread of uv over a million cells costs as many cells as it is long, not their square.
+#[test]
+fn a_long_thread_is_walked_along() {
+    let uvs = vec![DVec2::ZERO, DVec2::splat(500.0), DVec2::splat(1000.0)];
+    let triangle = Triangle { positions: [0, 1, 2], normals: None, uvs: Some([0, 1, 2]) };
+    let data = MeshData {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        normals: Vec::new(),
+        uvs,
+        triangles: vec![triangle],
+    };
+    let map = Shape::White(3).codes([16, 16], Lattice::Texel, Wrap::Repeat);
+    let displacement = Displacement { scale: 0.2, ..Displacement::default() };
+    let options = MeshOptions { displacement, ..MeshOptions::default() };
+    let mesh = Mesh::new(data).expect("valid");
+    let mesh = ReliefMesh::new(&mesh, Arc::new(Relief::new(map.clone())), options).expect("valid");
+    let mut counters = Counters::default();
+    let down = Ray::new(DVec3::new(0.3, 0.2, 1.0), -DVec3::Z);
+    let hit = mesh.closest(&down, &mut counters).expect("covered");
+    let s = 500.0 * 0.3 + 1000.0 * 0.2;
+    assert!((hit.position.z - 0.2 * map.height_at(s, s)).abs() < 1e-9);
+    assert!(counters.cells <= 4 * 16_000, "{counters:?}");
 }
 
 /// A finer tessellation comes closer to what is hit.

@@ -87,6 +87,29 @@ impl Footprint {
         Self { corners, sides, area: Area::of(corners) }
     }
 
+    /// First cell and one past the last cell of a row of cells that the widened footprint touches.
+    pub fn row(&self, row: i32) -> [i32; 2] {
+        let ends = [f64::from(row) - MARGIN, f64::from(row) + 1.0 + MARGIN];
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..3 {
+            let (p, q) = (self.corners[k], self.corners[(k + 1) % 3]);
+            let rise = q[1] - p[1];
+            // The part of the side that runs through the row.
+            let [a, b] = ends.map(|y| (y - p[1]) / rise);
+            let (from, to) =
+                if rise == 0.0 { (0.0, 1.0) } else { (a.min(b).max(0.0), a.max(b).min(1.0)) };
+            let level = rise == 0.0 && (p[1] < ends[0] || p[1] > ends[1]);
+            if from <= to && !level {
+                for t in [from, to] {
+                    let x = p[0] + t * (q[0] - p[0]);
+                    (low, high) = (low.min(x), high.max(x));
+                }
+            }
+        }
+        let slack = MARGIN + 1e-12 * (low.abs() + high.abs());
+        [floor(low - slack), floor(high + slack).saturating_add(1)]
+    }
+
     /// Whether a box lies outside of the footprint, by more than the margin.
     pub fn misses(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         if (0..2)

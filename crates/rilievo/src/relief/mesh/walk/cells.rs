@@ -57,9 +57,10 @@ impl<P: Probe> Cells<'_, P> {
     /// Shows every cell under the prism to the leaf; says whether the search is over.
     pub fn all(&mut self) -> bool {
         let footprint = self.prism.footprint();
-        let [x, y] = footprint.area.cells();
+        let [_, y] = footprint.area.cells();
         for j in y[0]..y[1] {
-            for i in x[0]..x[1] {
+            let [first, end] = footprint.row(j);
+            for i in first..end {
                 let low = [f64::from(i), f64::from(j)];
                 if !footprint.misses(low, low.map(|x| x + 1.0)) && self.leaf([i, j]) {
                     return true;
