@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use proptest::prelude::*;
 use rilievo::glam::{DVec2, DVec3};
@@ -53,6 +54,41 @@ fn bad_scenes_give_the_error_on_their_first_line() {
         assert!(matches!(place, Place::Text(_)), "{path:?}: {place:?}");
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn places_share_what_they_show() {
+    let loaded = load(&root().join("tests/scenes/valid/instances.toml")).unwrap();
+    let surfaces = loaded.scene.world().surfaces();
+    let prototypes: Vec<_> = (surfaces.iter())
+        .map(|surface| match surface {
+            Surface::Instance(instance) => instance.prototype(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(prototypes.len(), 3 + 7 + 2);
+    assert!(Arc::ptr_eq(prototypes[0], prototypes[1]));
+    let (Surface::Face(own), Surface::Face(changed)) =
+        (prototypes[0].as_ref(), prototypes[2].as_ref())
+    else {
+        panic!("{prototypes:?}");
+    };
+    assert!(Arc::ptr_eq(own.relief(), changed.relief()));
+    let d = changed.options().displacement;
+    assert_eq!((d.scale, d.zero, d.tile, d.shift), (0.2, 0.5, [2.0; 2], [0.5, 0.0]));
+    for pair in prototypes[3..10].windows(2) {
+        assert!(Arc::ptr_eq(pair[0], pair[1]));
+    }
+    // Strewn over a square at height 1, and half to one and a half times as large.
+    for surface in &surfaces[3..10] {
+        let (bounds, size) = (surface.bounds(), surface.bounds().max - surface.bounds().min);
+        let centre = bounds.centre();
+        assert!(centre.abs().max_element() < 1.01 && (centre.z - 1.0).abs() < 0.01, "{centre}");
+        assert!((0.1..0.4).contains(&size.z), "{size}");
+    }
+    // What a place adds, its share of the tree and its material included.
+    let place = size_of::<Surface>() + size_of::<rilievo::surface::Instance>();
+    assert!(place + 2 * 128 + 8 < 1024, "{place}");
 }
 
 #[test]
@@ -138,7 +174,7 @@ fn every_key_arrives() {
     let Reflectance::Textured(painted) = &scene.material(0).diffuse else { panic!() };
     let Reflectance::Textured(papered) = &scene.material(1).diffuse else { panic!() };
     assert_eq!((papered.tile, papered.shift), (DVec2::new(2.0, 3.0), DVec2::new(0.5, 0.0)));
-    assert!(std::sync::Arc::ptr_eq(&painted.image, &papered.image), "one file, one image");
+    assert!(Arc::ptr_eq(&painted.image, &papered.image), "one file, one image");
     assert_eq!(*scene.material(2), Material::default());
     let plain = scene.material(3);
     assert_eq!((plain.roughness, plain.emitted), (0.2, DVec3::new(1.0, 2.0, 3.0)));
@@ -169,7 +205,7 @@ fn displaced_spheres_share_their_map_with_quads() {
     assert!(matches!(options.normals, ShadingNormals::Exact));
     assert_eq!((second.options().method, second.radius()), (Method::Pyramid, 1.0));
     assert!(matches!(second.options().normals, ShadingNormals::Map(_)));
-    assert!(std::sync::Arc::ptr_eq(first.relief(), second.relief()));
+    assert!(Arc::ptr_eq(first.relief(), second.relief()));
     let [noise, denser] = &loaded.sphere_maps[..] else { panic!("{:?}", loaded.sphere_maps) };
     assert_eq!((noise.name.as_str(), noise.size, noise.relief.cells()), ("noise", [9, 7], 4));
     assert_eq!((denser.name.as_str(), denser.relief.cells()), ("noise", 8));
@@ -195,7 +231,7 @@ fn displaced_meshes_and_quads_of_two_triangles() {
     assert!(options.closed && options.one_sided);
     assert!(first.report().seam_walls > 0 && first.report().open_edges == 0);
     assert_eq!((second.options().edges, second.report().seam_walls), (Edges::AsAuthored, 0));
-    assert!(std::sync::Arc::ptr_eq(first.relief(), second.relief()));
+    assert!(Arc::ptr_eq(first.relief(), second.relief()));
     let loaded = load(&root().join("tests/scenes/valid/displaced_trapezium.toml")).unwrap();
     let [Surface::ReliefMesh(quad)] = loaded.scene.world().surfaces() else {
         panic!("one displaced quad");

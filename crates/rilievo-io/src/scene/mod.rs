@@ -21,6 +21,7 @@
 //! ```
 
 mod file;
+mod instances;
 mod load_map;
 mod models;
 mod options;

@@ -13,7 +13,7 @@ use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
 
 use super::file::{
-    Diffuse, DisplacementEntry, MaterialEntry, MeshEntry, Normals, QuadEntry, SceneFile, Shape,
+    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape, ShapeEntry,
     SphereEntry,
 };
 use super::load_map::{self, Face, Needs};
@@ -84,35 +84,13 @@ impl SceneFile {
         }
         let (mut surfaces, mut material_of) = (Vec::new(), Vec::new());
         for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
-            match (&entry.shape, &entry.material) {
-                (Shape::Mesh(mesh), None) if mesh.displacement.is_none() => {
-                    for (surface, own) in loader.parts(mesh)? {
-                        surfaces.push(surface);
-                        material_of.push(match own {
-                            Some(own) => {
-                                materials.push(own);
-                                materials.len() as u32 - 1
-                            }
-                            None => material,
-                        });
-                    }
-                }
-                (Shape::Mesh(MeshEntry { displacement: Some(displacement), .. }), named) => {
-                    let Shape::Mesh(mesh) = &entry.shape else { continue };
-                    let (mesh, own) = loader.relief_mesh(mesh, displacement)?;
-                    surfaces.push(mesh.into());
-                    material_of.push(match own {
-                        Some(own) if named.is_none() => {
-                            materials.push(own);
-                            materials.len() as u32 - 1
-                        }
-                        _ => material,
-                    });
-                }
-                (shape, _) => {
-                    surfaces.push(loader.surface(shape)?);
-                    material_of.push(material);
-                }
+            let mut placed = loader.surfaces(entry, material, &mut materials)?;
+            if let Some(instances) = &entry.instances {
+                placed = loader.stand(placed, instances)?;
+            }
+            for (surface, material) in placed {
+                surfaces.push(surface);
+                material_of.push(material);
             }
         }
         let parts = SceneParts {
@@ -269,6 +247,37 @@ impl<'a> Loader<'a> {
             let allowed = "four corners that span an area, numbers up to 1e100";
             self.file.invalid(&quad.corners.at, "corners", e.to_string(), allowed.to_owned())
         })
+    }
+
+    /// The surfaces of a shape where it is, with the index of the material of each: `material`, or one
+    /// of the shape's own file, which is added to `materials`.
+    fn surfaces(
+        &mut self,
+        entry: &ShapeEntry,
+        material: u32,
+        materials: &mut Vec<Material>,
+    ) -> Result<Vec<(Surface, u32)>> {
+        let mut own = |from: Option<Material>| match from {
+            Some(from) if entry.material.is_none() => {
+                materials.push(from);
+                materials.len() as u32 - 1
+            }
+            _ => material,
+        };
+        match &entry.shape {
+            Shape::Mesh(mesh) => match &mesh.displacement {
+                Some(displacement) => {
+                    let (mesh, from) = self.relief_mesh(mesh, displacement)?;
+                    Ok(vec![(mesh.into(), own(from))])
+                }
+                None if entry.material.is_none() => {
+                    let parts = self.parts(mesh)?;
+                    Ok(parts.into_iter().map(|(surface, from)| (surface, own(from))).collect())
+                }
+                None => Ok(vec![(self.surface(&entry.shape)?, material)]),
+            },
+            shape => Ok(vec![(self.surface(shape)?, material)]),
+        }
     }
 
     fn surface(&mut self, shape: &Shape) -> Result<Surface> {

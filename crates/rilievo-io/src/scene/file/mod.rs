@@ -2,6 +2,7 @@
 //!
 //! Nothing is opened and no name is looked up here; see [`super::resolve`].
 
+mod instances;
 mod map;
 mod material;
 mod shape;
@@ -17,6 +18,7 @@ use super::syntax::{Document, Located, Table};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
 
+pub(super) use instances::InstanceEntry;
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
 pub(super) use shape::{

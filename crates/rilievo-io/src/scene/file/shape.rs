@@ -7,6 +7,7 @@ use rilievo::map::NormalConvention;
 use rilievo::relief::{Displacement, Edges, Method};
 
 use super::super::syntax::{Located, Table, Value};
+use super::instances::{InstanceEntry, read_instances};
 use super::material::PAIR;
 use super::terrain::{GroundEntry, read_terrain};
 use super::view::{POINT, method, point};
@@ -90,6 +91,8 @@ pub(in super::super) enum Shape {
 pub(in super::super) struct ShapeEntry {
     pub shape: Shape,
     pub material: Option<Located<String>>,
+    /// Where it stands, if not once where it is.
+    pub instances: Option<Vec<InstanceEntry>>,
 }
 
 impl Shape {
@@ -137,8 +140,9 @@ impl ShapeEntry {
             Kind::Mesh => Shape::Mesh(read_mesh(table)?),
             Kind::Terrain => Shape::Quad(read_terrain(table)?),
         };
+        let instances = read_instances(table)?;
         table.finish()?;
-        Ok(Self { shape, material })
+        Ok(Self { shape, material, instances })
     }
 }
 
@@ -218,9 +222,15 @@ fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
 /// Scaled first, then turned about x, y and z, then moved.
 fn read_transform(value: &Value<'_>) -> Result<DAffine3> {
     let table = value.table()?;
+    let transform = transform(&table)?;
+    table.finish()?;
+    Ok(transform)
+}
+
+/// The keys of a transform among those of a table.
+pub(super) fn transform(table: &Table<'_>) -> Result<DAffine3> {
     let (translate, rotate) = (table.get("translate"), table.get("rotate"));
     let scale = table.get("scale");
-    table.finish()?;
     let translate = translate.map_or(Ok(DVec3::ZERO), |v| point(&v))?;
     let [x, y, z] = rotate.map_or(Ok([0.0; 3]), |v| v.numbers(POINT))?.map(f64::to_radians);
     let scale = scale.map_or(Ok(1.0), |v| match v.number()? {

@@ -67,7 +67,7 @@ const MAX_REACH: f64 = 1e50;
 /// A displaced triangle mesh, ready to be traced.
 #[derive(Clone, Debug)]
 pub struct ReliefMesh {
-    data: MeshData,
+    data: Arc<MeshData>,
     relief: Arc<Relief>,
     options: MeshOptions,
     report: MeshReport,
@@ -106,11 +106,28 @@ impl ReliefMesh {
         relief: Arc<Relief>,
         options: MeshOptions,
     ) -> Result<Self, ReliefMeshError> {
+        Self::laid(Arc::new(mesh.data().clone()), relief, options)
+    }
+
+    /// The same mesh under another displacement. Base and relief are shared; prisms are made anew, in
+    /// a time that does not depend on the size of the map.
+    ///
+    /// # Errors
+    /// As [`ReliefMesh::new`], for numbers of the displacement.
+    pub fn with_displacement(&self, displacement: Displacement) -> Result<Self, ReliefMeshError> {
+        let options = MeshOptions { displacement, ..self.options.clone() };
+        Self::laid(Arc::clone(&self.data), Arc::clone(&self.relief), options)
+    }
+
+    fn laid(
+        data: Arc<MeshData>,
+        relief: Arc<Relief>,
+        options: MeshOptions,
+    ) -> Result<Self, ReliefMeshError> {
         if !matches!(options.method, Method::Pyramid | Method::Dda) {
             return Err(ReliefMeshError::Method(options.method));
         }
         check_displacement(&options.displacement)?;
-        let data = mesh.data().clone();
         let lattice = lattice(&data, &relief, &options.displacement)?;
         let corners = data.triangles.iter().flat_map(|t| t.positions);
         let centre = Aabb::around(corners.map(|p| data.positions[p as usize])).centre();

@@ -1,0 +1,128 @@
+//! `instances` and `scatter` of `[[shapes]]`: where a shape stands, if not once where it is.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use rilievo::glam::{DAffine3, DMat3};
+use rilievo::relief::Displacement;
+
+use super::super::syntax::{Located, Table, Value};
+use super::material::PAIR;
+use super::shape::transform;
+use super::view::point;
+use crate::error::Result;
+
+/// Most instances of a shape.
+const MOST: u64 = 10_000_000;
+
+/// A place of a shape.
+#[derive(Clone, Debug)]
+pub(in super::super) struct InstanceEntry {
+    pub world_from_shape: DAffine3,
+    /// What differs from the shape's own displacement.
+    pub displacement: Option<Box<Located<Changes>>>,
+    pub at: Range<usize>,
+}
+
+/// Numbers of a displacement that an instance has for itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in super::super) struct Changes {
+    scale: Option<f64>,
+    zero: Option<f64>,
+    tile: Option<[f64; 2]>,
+    shift: Option<[f64; 2]>,
+}
+
+impl Changes {
+    /// A displacement with these numbers in it.
+    pub fn of(&self, base: Displacement) -> Displacement {
+        Displacement {
+            scale: self.scale.unwrap_or(base.scale),
+            zero: self.zero.unwrap_or(base.zero),
+            tile: self.tile.unwrap_or(base.tile),
+            shift: self.shift.unwrap_or(base.shift),
+        }
+    }
+}
+
+/// The places that a shape names; none if it stands where it is.
+pub(super) fn read_instances(table: &Table<'_>) -> Result<Option<Vec<InstanceEntry>>> {
+    let (listed, scattered) = (table.get("instances"), table.get("scatter"));
+    match (listed, scattered) {
+        (None, None) => Ok(None),
+        (Some(_), Some(value)) => Err(value.invalid("nothing: the shape has `instances`")),
+        (Some(value), None) => {
+            let items = value.items("an array of tables: [{ translate = [x, y, z] }, ...]")?;
+            items.iter().map(read_instance).collect::<Result<_>>().map(Some)
+        }
+        (None, Some(value)) => scatter(&value).map(Some),
+    }
+}
+
+fn read_instance(value: &Value<'_>) -> Result<InstanceEntry> {
+    let table = value.table()?;
+    let displacement = table.get("displacement");
+    let world_from_shape = transform(&table)?;
+    table.finish()?;
+    let displacement = displacement.map(|v| v.located(read_changes)).transpose()?.map(Box::new);
+    Ok(InstanceEntry { world_from_shape, displacement, at: value.at() })
+}
+
+fn read_changes(value: &Value<'_>) -> Result<Changes> {
+    let table = value.table()?;
+    let (scale, zero) = (table.get("scale"), table.get("zero"));
+    let (tile, shift) = (table.get("tile"), table.get("shift"));
+    table.finish()?;
+    Ok(Changes {
+        scale: scale.map(|v| v.number()).transpose()?,
+        zero: zero.map(|v| v.number()).transpose()?,
+        tile: tile.map(|v| v.numbers(PAIR)).transpose()?,
+        shift: shift.map(|v| v.numbers(PAIR)).transpose()?,
+    })
+}
+
+/// Places strewn over a parallelogram, one in each cell of a grid, each turned about the normal.
+fn scatter(value: &Value<'_>) -> Result<Vec<InstanceEntry>> {
+    let table = value.table()?;
+    let count = table.require("count")?.integer(1..=MOST)?;
+    let over = table.require("over")?;
+    let allowed = "a corner and two edges: [[x, y, z], [x, y, z], [x, y, z]]";
+    let [corner, u, v] = over.array::<3>(allowed)?;
+    let (corner, u, v) = (point(&corner)?, point(&u)?, point(&v)?);
+    let scale = table.get("scale").map_or(Ok([1.0; 2]), |v| {
+        let range = v.numbers::<2>("two numbers: smallest and largest")?;
+        let sound = range[0] > 0.0 && range[1] >= range[0];
+        if sound { Ok(range) } else { Err(v.invalid("two numbers above 0, the smaller first")) }
+    })?;
+    let turn = table.get("turn").map_or(Ok(360.0), |v| v.number())?;
+    let seed = table.get("seed").map_or(Ok(0), |v| v.integer(0..=i64::MAX as u64))?;
+    table.finish()?;
+    let Some(up) = u.cross(v).try_normalize() else {
+        return Err(over.invalid("two edges that span an area"));
+    };
+    // Cells about as long as wide, in rows; the last row may be short.
+    let columns = ((count as f64 * u.length() / v.length()).sqrt().round() as u64).clamp(1, count);
+    let rows = count.div_ceil(columns);
+    let place = |k: u64| {
+        let draw = |what: u64| unit(seed, 4 * k + what);
+        let [i, j] = [k % columns, k / columns].map(|k| k as f64);
+        let (x, y) = ((i + draw(0)) / columns as f64, (j + draw(1)) / rows as f64);
+        let size = scale[0] + (scale[1] - scale[0]) * draw(2);
+        let angle = TAU * turn / 360.0 * draw(3);
+        let linear = DMat3::from_axis_angle(up, angle) * size;
+        InstanceEntry {
+            world_from_shape: DAffine3::from_mat3_translation(linear, corner + x * u + y * v),
+            displacement: None,
+            at: value.at(),
+        }
+    };
+    Ok((0..count).map(place).collect())
+}
+
+/// A number in `[0, 1)` by place: the finaliser of SplitMix64 \[Steele2014\].
+fn unit(seed: u64, index: u64) -> f64 {
+    let mut z = seed.wrapping_add(index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+}

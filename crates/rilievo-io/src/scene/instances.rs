@@ -1,0 +1,100 @@
+//! The places of shapes that stand elsewhere, or in many places.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rilievo::relief::Displacement;
+use rilievo::surface::{Instance, Surface};
+
+use super::file::InstanceEntry;
+use super::resolve::Loader;
+use crate::error::Result;
+
+/// A shape's surfaces under one displacement.
+type Prototypes = Vec<(Arc<Surface>, u32)>;
+
+impl Loader<'_> {
+    /// The surfaces of a shape, with their materials, in all its places. Places with the same
+    /// displacement share everything.
+    pub(super) fn stand(
+        &self,
+        surfaces: Vec<(Surface, u32)>,
+        entries: &[InstanceEntry],
+    ) -> Result<Vec<(Surface, u32)>> {
+        let own: Prototypes = surfaces.into_iter().map(|(s, m)| (Arc::new(s), m)).collect();
+        let mut changed: HashMap<[u64; 6], Prototypes> = HashMap::new();
+        let mut all = Vec::with_capacity(entries.len() * own.len());
+        for entry in entries {
+            let prototypes = match &entry.displacement {
+                None => &own,
+                Some(changes) => {
+                    let mut key = [0; 6];
+                    if let Some(displacement) = own.iter().find_map(|(s, _)| displacement(s)) {
+                        key = bits(&changes.value.of(displacement));
+                    }
+                    if !changed.contains_key(&key) {
+                        changed.insert(key, self.changed(&own, entry)?);
+                    }
+                    &changed[&key]
+                }
+            };
+            for (prototype, material) in prototypes {
+                let instance = Instance::new(Arc::clone(prototype), entry.world_from_shape);
+                let instance = instance.map_err(|e| {
+                    let allowed = "a scale that is not 0, numbers up to 1e100".to_owned();
+                    self.file.invalid(&entry.at, "instance", e.to_string(), allowed)
+                })?;
+                all.push((instance.into(), *material));
+            }
+        }
+        Ok(all)
+    }
+
+    /// Prototypes under the displacement of an instance.
+    fn changed(&self, own: &Prototypes, entry: &InstanceEntry) -> Result<Prototypes> {
+        let Some(changes) = &entry.displacement else { return Ok(own.clone()) };
+        let refuse = |found: String, allowed: &str| {
+            self.file.invalid(&changes.at, "displacement", found, allowed.to_owned())
+        };
+        let mut all = Vec::new();
+        for (surface, material) in own {
+            let Some(displacement) = displacement(surface) else {
+                let found = "the shape has no displacement to change".to_owned();
+                return Err(refuse(found, "nothing, or a shape with `displacement`"));
+            };
+            let displacement = changes.value.of(displacement);
+            let surface = match surface.as_ref() {
+                Surface::Face(face) => face
+                    .with_displacement(displacement)
+                    .map(Surface::from)
+                    .map_err(|e| refuse(e.to_string(), ""))?,
+                Surface::ReliefSphere(sphere) => sphere
+                    .with_displacement(displacement)
+                    .map(Surface::from)
+                    .map_err(|e| refuse(e.to_string(), ""))?,
+                Surface::ReliefMesh(mesh) => mesh
+                    .with_displacement(displacement)
+                    .map(Surface::from)
+                    .map_err(|e| refuse(e.to_string(), ""))?,
+                other => other.clone(),
+            };
+            all.push((Arc::new(surface), *material));
+        }
+        Ok(all)
+    }
+}
+
+/// How a surface is displaced, if it is.
+fn displacement(surface: &Surface) -> Option<Displacement> {
+    match surface {
+        Surface::Face(face) => Some(face.options().displacement),
+        Surface::ReliefSphere(sphere) => Some(sphere.options().displacement),
+        Surface::ReliefMesh(mesh) => Some(mesh.options().displacement),
+        _ => None,
+    }
+}
+
+/// What tells two displacements apart.
+fn bits(d: &Displacement) -> [u64; 6] {
+    [d.scale, d.zero, d.tile[0], d.tile[1], d.shift[0], d.shift[1]].map(f64::to_bits)
+}
