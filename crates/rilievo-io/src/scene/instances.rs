@@ -1,6 +1,7 @@
 //! The places of shapes that stand elsewhere, or in many places.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use rilievo::relief::Displacement;
@@ -32,10 +33,10 @@ impl Loader<'_> {
                     if let Some(displacement) = own.iter().find_map(|(s, _)| displacement(s)) {
                         key = bits(&changes.value.of(displacement));
                     }
-                    if !changed.contains_key(&key) {
-                        changed.insert(key, self.changed(&own, entry)?);
+                    match changed.entry(key) {
+                        Entry::Occupied(there) => &*there.into_mut(),
+                        Entry::Vacant(free) => &*free.insert(self.changed(&own, entry)?),
                     }
-                    &changed[&key]
                 }
             };
             for (prototype, material) in prototypes {
