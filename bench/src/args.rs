@@ -10,7 +10,7 @@ use rilievo::map::DistanceKind;
 use crate::contender::Contender;
 use crate::map::MapName;
 use crate::rays::Family;
-use crate::shells::{Base, ShellFamily};
+use crate::solids::{Body, SolidFamily};
 use crate::transforms::{Grid, name};
 
 /// Measures rilievo beside its peers, on equal rays and grids.
@@ -29,8 +29,8 @@ pub enum Command {
     Transforms(TransformArgs),
     /// Nodes, leaves, steps and nanoseconds a ray of the exact methods.
     Walks(WalkArgs),
-    /// Displaced meshes, beside their tessellation in Embree.
-    Shells(ShellArgs),
+    /// Rays a second of one thread on displaced spheres and meshes, beside Embree.
+    Solids(SolidArgs),
     /// Nanoseconds a sample of building pyramids.
     Build(BuildArgs),
     /// Say what machine this is, as the machine.json of a recorded run.
@@ -139,10 +139,10 @@ pub struct WalkArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct ShellArgs {
-    /// Meshes, parted by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Base::ALL)]
-    pub bases: Vec<Base>,
+pub struct SolidArgs {
+    /// Base surfaces, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Body::ALL)]
+    pub bodies: Vec<Body>,
     /// Maps, parted by commas.
     #[arg(long, value_enum, value_delimiter = ',',
           default_values_t = [MapName::Fbm, MapName::Moss, MapName::RoofingTiles])]
@@ -150,23 +150,26 @@ pub struct ShellArgs {
     /// Samples a side.
     #[arg(long, value_name = "N", value_parser = size(), default_value_t = 2048)]
     pub size: u32,
-    /// Depths of the relief as shares of the mesh's diagonal, parted by commas.
-    #[arg(long, value_name = "X,...", value_delimiter = ',', value_parser = depth,
-          default_values_t = [0.001, 0.01, 0.03])]
-    pub thicknesses: Vec<f64>,
     /// Families of rays, parted by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = ShellFamily::ALL)]
-    pub families: Vec<ShellFamily>,
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = SolidFamily::ALL)]
+    pub families: Vec<SolidFamily>,
+    /// Thickness between the lowest and the highest offset, as shares of the body's size, parted by
+    /// commas; of real maps it is divided by their repetitions.
+    #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = depth,
+          default_values_t = [0.001, 0.03, 0.1, 0.2])]
+    pub thickness: Vec<f64>,
+    /// Pixels a side of the image that makes the rays.
+    #[arg(long, value_name = "N", default_value_t = 512,
+          value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub side: u32,
     /// Passes after the one that warms up; the median counts.
-    #[arg(long, value_name = "N", default_value_t = 5,
+    #[arg(long, value_name = "N", default_value_t = 3,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub passes: u16,
-    /// A sixteenth of the rays.
-    #[arg(long)]
-    pub quick: bool,
-    /// Without Embree.
-    #[arg(long)]
-    pub alone: bool,
+    /// Embree's configuration string.
+    #[cfg(feature = "embree")]
+    #[arg(long, value_name = "STRING", default_value = "threads=1")]
+    pub embree_config: String,
     #[command(flatten)]
     pub output: Output,
 }

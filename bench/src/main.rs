@@ -16,7 +16,7 @@ mod random;
 mod rays;
 mod report;
 mod runs;
-mod shells;
+mod solids;
 mod tally;
 mod transforms;
 mod walks;
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
         Command::Kernels(args) => kernels::run(args),
         Command::Transforms(args) => transforms::run(args),
         Command::Walks(args) => walks::run(args),
-        Command::Shells(args) => shells::run(args),
+        Command::Solids(args) => solids::run(args),
         Command::Build(args) => builds::run(args),
         Command::Machine => runs::machine(),
         Command::Summary(args) => runs::summary(&args.run),
