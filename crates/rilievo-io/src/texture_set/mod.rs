@@ -1,6 +1,6 @@
 //! [`TextureSet`]: a folder with the maps of one material, as asset libraries ship them.
 //!
-//! Which file is what is told by its name (see [`naming`]); of several files for one role the
+//! Which file is what is told by its name (see `naming`); of several files for one role the
 //! largest is taken, of equal ones that with more bits. Where no name says displacement, the
 //! largest image of one channel that no other role claims is taken for it: folders of terrain are
 //! so. A MaterialX file in the folder ([`MaterialX`]) goes before names.
