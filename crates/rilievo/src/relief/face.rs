@@ -134,7 +134,9 @@ impl ReliefFace {
         relief: Arc<Relief>,
         options: FaceOptions,
     ) -> Result<Self, FaceError> {
-        check_displacement(&options.displacement)?;
+        if let Some((key, value, allowed)) = options.displacement.fault() {
+            return Err(FaceError::Displacement { key, value, allowed });
+        }
         if let Some(kind) = distance_kind(options.method)
             && relief.distance(kind).is_none()
         {
@@ -332,27 +334,6 @@ fn bounds(placement: &Placement, relief: &Relief, closed: bool) -> Aabb {
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     let extent = (bounds.max - bounds.min).max_element();
     bounds.grown(extent * 1e-6 + reach * 1e-12)
-}
-
-fn check_displacement(d: &Displacement) -> Result<(), FaceError> {
-    let refuse = |key, value, allowed| Err(FaceError::Displacement { key, value, allowed });
-    if !d.scale.is_finite() || d.scale == 0.0 {
-        return refuse("scale", d.scale, "finite and not 0");
-    }
-    if !d.zero.is_finite() {
-        return refuse("zero", d.zero, "finite");
-    }
-    for value in d.tile {
-        if !(value.is_finite() && value > 0.0) {
-            return refuse("tile", value, "finite and above 0");
-        }
-    }
-    for value in d.shift {
-        if !value.is_finite() {
-            return refuse("shift", value, "finite");
-        }
-    }
-    Ok(())
 }
 
 /// The kind of distance map a method walks, if it walks one.

@@ -26,6 +26,24 @@ impl Default for Displacement {
     }
 }
 
+impl Displacement {
+    /// The first number out of its range: its key, the number, what is allowed.
+    pub(super) fn fault(&self) -> Option<(&'static str, f64, &'static str)> {
+        if !self.scale.is_finite() || self.scale == 0.0 {
+            return Some(("scale", self.scale, "finite and not 0"));
+        }
+        if !self.zero.is_finite() {
+            return Some(("zero", self.zero, "finite"));
+        }
+        let bad = |value: &f64| !(value.is_finite() && *value > 0.0);
+        if let Some(value) = self.tile.into_iter().find(bad) {
+            return Some(("tile", value, "finite and above 0"));
+        }
+        let value = self.shift.into_iter().find(|value| !value.is_finite())?;
+        Some(("shift", value, "finite"))
+    }
+}
+
 /// Which normals a relief is shaded with.
 #[derive(Clone, Debug, Default)]
 pub enum ShadingNormals {

@@ -127,7 +127,9 @@ impl ReliefMesh {
         if !matches!(options.method, Method::Pyramid | Method::Dda) {
             return Err(ReliefMeshError::Method(options.method));
         }
-        check_displacement(&options.displacement)?;
+        if let Some((key, value, allowed)) = options.displacement.fault() {
+            return Err(ReliefMeshError::Displacement { key, value, allowed });
+        }
         let lattice = lattice(&data, &relief, &options.displacement)?;
         let corners = data.triangles.iter().flat_map(|t| t.positions);
         let centre = Aabb::around(corners.map(|p| data.positions[p as usize])).centre();
@@ -353,25 +355,4 @@ fn lattice(
         all.push(corners);
     }
     Ok(all)
-}
-
-fn check_displacement(d: &Displacement) -> Result<(), ReliefMeshError> {
-    let refuse = |key, value, allowed| Err(ReliefMeshError::Displacement { key, value, allowed });
-    if !d.scale.is_finite() || d.scale == 0.0 {
-        return refuse("scale", d.scale, "finite and not 0");
-    }
-    if !d.zero.is_finite() {
-        return refuse("zero", d.zero, "finite");
-    }
-    for value in d.tile {
-        if !(value.is_finite() && value > 0.0) {
-            return refuse("tile", value, "finite and above 0");
-        }
-    }
-    for value in d.shift {
-        if !value.is_finite() {
-            return refuse("shift", value, "finite");
-        }
-    }
-    Ok(())
 }

@@ -75,12 +75,9 @@ pub(super) fn check(
         return Err(ReliefSphereError::Radius(radius));
     }
     let refuse = |key, value, allowed| Err(ReliefSphereError::Displacement { key, value, allowed });
-    let Displacement { scale, zero, tile, shift } = options.displacement;
-    if !scale.is_finite() || scale == 0.0 {
-        return refuse("scale", scale, "finite and not 0");
-    }
-    if !zero.is_finite() {
-        return refuse("zero", zero, "finite");
+    let Displacement { tile, shift, .. } = options.displacement;
+    if let Some((key @ ("scale" | "zero"), value, allowed)) = options.displacement.fault() {
+        return refuse(key, value, allowed);
     }
     for (value, own) in tile.into_iter().zip(tiling.tile) {
         if value != own {
