@@ -40,6 +40,7 @@
 //!
 //! - [`scene`]: what is rendered, checked once, immutable after.
 //! - [`texture`], [`colour`]: colour images and the sRGB curve.
+//! - [`bsdf`]: a material at one hit, evaluated and sampled.
 //! - [`light`]: the emitters that are sampled.
 //! - [`sampler`]: absolute (pixel, sample, dimension) to numbers, and warps with their densities.
 //! - [`integrator`]: what is estimated at a pixel.
@@ -49,6 +50,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod bsdf;
 pub mod colour;
 pub mod film;
 pub mod integrator;
@@ -59,6 +61,7 @@ pub mod sampler;
 pub mod scene;
 pub mod texture;
 
+pub use bsdf::{Bsdf, Scattered};
 pub use colour::Rgb;
 pub use film::{Aov, Film, Filter};
 pub use integrator::{Integrator, RayCounts};
