@@ -14,7 +14,7 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
-use rilievo_render::{Aov, Integrator};
+use rilievo_render::{Aov, Integrator, SamplerKind};
 
 use value::{PicturePath, PngPath};
 
@@ -61,6 +61,10 @@ pub struct RenderArgs {
     /// What is estimated [default: the scene's].
     #[arg(long, value_parser = value::integrator())]
     pub integrator: Option<Integrator>,
+    /// Where the numbers of paths come from [default: the scene's]. The integrator distributed takes
+    /// its own.
+    #[arg(long, value_parser = value::sampler())]
+    pub sampler: Option<SamplerKind>,
     /// How rays are walked through every relief [default: each shape's own]. Distance maps that a
     /// method needs are built before rendering.
     #[arg(long, value_parser = value::method())]

@@ -51,6 +51,7 @@ impl RenderJob {
         settings = RenderSettings {
             integrator: args.integrator.unwrap_or(settings.integrator),
             samples: args.samples.unwrap_or(settings.samples),
+            sampler: args.sampler.unwrap_or(settings.sampler),
             seed: args.seed.unwrap_or(settings.seed),
             ..settings
         };

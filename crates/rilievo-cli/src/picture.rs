@@ -136,6 +136,7 @@ impl Finished<'_> {
             integer("rilievo/glossySamples", settings.glossy_samples),
             integer("rilievo/diffuseSamples", settings.diffuse_samples),
             integer("rilievo/maxDepth", settings.max_depth),
+            text("rilievo/sampler", settings.sampler.to_string()),
             text("rilievo/seed", settings.seed.to_string()),
             integer("rilievo/complete", u32::from(self.film.is_complete())),
         ]

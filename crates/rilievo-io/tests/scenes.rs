@@ -12,7 +12,7 @@ use rilievo::surface::Surface;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_io::{Error, Limits, Place};
 use rilievo_render::film::tonemap::ToneCurve;
-use rilievo_render::{Filter, Integrator, Material, Reflectance, RenderSettings};
+use rilievo_render::{Filter, Integrator, Material, Reflectance, RenderSettings, SamplerKind};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -124,6 +124,7 @@ fn every_key_arrives() {
         diffuse_samples: 2,
         max_depth: 1,
         seed: i64::MAX as u64,
+        sampler: SamplerKind::Jittered,
         filter: Filter::Tent,
     };
     assert_eq!(*scene.settings(), want);

@@ -67,6 +67,7 @@ pub use film::{Aov, Film, Filter};
 pub use integrator::{Integrator, RayCounts};
 pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, render};
+pub use sampler::{PathSampler, SamplerKind};
 pub use scene::{
     Camera, CameraError, CameraParts, Material, MaterialError, Reflectance, RenderSettings, Scene,
     SceneError, SceneParts, SettingsError,

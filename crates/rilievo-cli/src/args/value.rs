@@ -10,7 +10,7 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
-use rilievo_render::{Aov, Camera, Integrator, RenderSettings};
+use rilievo_render::{Aov, Camera, Integrator, RenderSettings, SamplerKind};
 
 use crate::name;
 
@@ -91,6 +91,11 @@ pub fn simd() -> impl TypedValueParser<Value = SimdLevel> {
 pub fn integrator() -> impl TypedValueParser<Value = Integrator> {
     let names = Integrator::ALL.map(Integrator::name);
     PossibleValuesParser::new(names).try_map(|name| name.parse::<Integrator>())
+}
+
+pub fn sampler() -> impl TypedValueParser<Value = SamplerKind> {
+    let names = SamplerKind::ALL.map(SamplerKind::name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<SamplerKind>())
 }
 
 pub fn aov() -> impl TypedValueParser<Value = Aov> {

@@ -1,5 +1,7 @@
-//! [`Sampler`]: Cook's jittered strata, as a pure function of pixel, dimension and sample.
+//! [`PathSampler`]: the numbers of a path; [`Sampler`]: Cook's jittered strata. Both are pure
+//! functions of pixel, dimension and sample.
 //!
+//! The strata are the paper's, for trees of rays whose branches are known beforehand.
 //! A dimension of a path (the place in the pixel, the point on a light, the direction of a gloss)
 //! is a unit square. It is cut into as many cells as the pixel will take samples of it, each cell
 //! holds one jittered point, and cells of different dimensions are associated by independent
@@ -10,9 +12,11 @@
 //! which the permutation leaves a random few cells empty. Each point on its own stays uniform, so
 //! estimates stay unbiased. Permutations are hashed by cycle walking \[Kensler2013\].
 
+pub mod path;
 mod table;
 pub mod warp;
 
+pub use path::{PathSampler, SamplerKind};
 pub(crate) use table::PixelTable;
 
 use glam::DVec2;

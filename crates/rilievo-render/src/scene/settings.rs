@@ -2,6 +2,7 @@
 
 use crate::film::filter::Filter;
 use crate::integrator::Integrator;
+use crate::sampler::SamplerKind;
 
 /// How a scene asks to be rendered. [`super::Scene`] holds a checked copy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// Seed of every random choice.
     pub seed: u64,
+    /// Where the numbers of paths come from; the distributed integrator always takes its strata.
+    pub sampler: SamplerKind,
     /// Pixel filter.
     pub filter: Filter,
 }
@@ -35,6 +38,7 @@ impl Default for RenderSettings {
             diffuse_samples: 0,
             max_depth: 5,
             seed: 0,
+            sampler: SamplerKind::Sobol,
             filter: Filter::Box,
         }
     }

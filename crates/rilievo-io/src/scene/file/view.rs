@@ -3,7 +3,7 @@
 use rilievo::glam::DVec3;
 use rilievo::relief::Method;
 use rilievo_render::film::tonemap::{ToneCurve, ToneMap};
-use rilievo_render::{Camera, CameraParts, Filter, Integrator, RenderSettings};
+use rilievo_render::{Camera, CameraParts, Filter, Integrator, RenderSettings, SamplerKind};
 
 use super::super::syntax::{Table, Value};
 use crate::error::Result;
@@ -99,6 +99,9 @@ impl RenderEntry {
         if let Some(value) = table.get("seed") {
             // TOML's own integers end at 2^63 - 1.
             settings.seed = value.integer(0..=i64::MAX as u64)?;
+        }
+        if let Some(value) = table.get("sampler") {
+            settings.sampler = value.choice(&SamplerKind::ALL.map(|s| (s.name(), s)))?;
         }
         if let Some(value) = table.get("filter") {
             settings.filter = value.choice(&Filter::ALL.map(|f| (f.name(), f)))?;
