@@ -15,6 +15,7 @@ use rilievo::map::{
 };
 use rilievo::relief::Method;
 use rilievo_render::{Aov, Integrator, SamplerKind};
+use rilievo_render::film::tonemap::View;
 
 use value::{PicturePath, PngPath};
 
@@ -90,6 +91,12 @@ pub struct RenderArgs {
     /// integrator aov: all of them in an EXR; the first as the picture in a PNG.
     #[arg(long, value_name = "LAYERS", value_delimiter = ',', value_parser = value::aov())]
     pub aov: Vec<Aov>,
+    /// How a PNG shows light beyond white [default: the scene's].
+    #[arg(long, value_parser = value::view())]
+    pub view: Option<View>,
+    /// Exposure of a PNG in stops [default: the scene's].
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = value::exposure)]
+    pub exposure: Option<f64>,
     /// One ray through the centre of each pixel: no jitter, no filter, whatever --samples says.
     #[arg(long)]
     pub pixel_centers: bool,
@@ -307,6 +314,7 @@ Examples:
   rilievo render textures/rock058/ -o rock.png
   rilievo render spot.obj -o spot.png
   rilievo render dem.tif -o terrain.png
+  rilievo render scene.toml -o out.png --view agx --exposure -0.5
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P

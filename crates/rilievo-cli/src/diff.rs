@@ -4,7 +4,7 @@ mod compare;
 
 use rilievo_io::Limits;
 use rilievo_io::image::{ChannelImage, write_png_rgb8};
-use rilievo_render::film::view::heat;
+use rilievo_render::film::false_colour::heat;
 use serde::Serialize;
 
 use crate::args::DiffArgs;

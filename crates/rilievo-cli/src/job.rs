@@ -46,7 +46,11 @@ impl RenderJob {
             ..LoadOptions::default()
         };
         let loaded = load(&args.scene, &options, args.talk)?;
-        let LoadedScene { scene, tone_map, .. } = loaded;
+        let LoadedScene { scene, mut tone_map, .. } = loaded;
+        tone_map = ToneMap {
+            exposure: args.exposure.unwrap_or(tone_map.exposure),
+            view: args.view.unwrap_or(tone_map.view),
+        };
         let mut settings = *scene.settings();
         settings = RenderSettings {
             integrator: args.integrator.unwrap_or(settings.integrator),

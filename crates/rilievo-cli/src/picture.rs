@@ -2,8 +2,8 @@
 
 use rilievo_io::image::{Attribute, Picture, write_png_rgb8};
 use rilievo_io::{Error, Result};
+use rilievo_render::film::false_colour::false_colour;
 use rilievo_render::film::tonemap::ToneMap;
-use rilievo_render::film::view::false_colour;
 use rilievo_render::{Aov, Film, Integrator, RenderSettings};
 
 use crate::args::value::{PictureFormat, PicturePath};

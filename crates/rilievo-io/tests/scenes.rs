@@ -11,8 +11,8 @@ use rilievo::relief::{Edges, Method, ShadingNormals};
 use rilievo::surface::Surface;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_io::{Error, Limits, Place};
-use rilievo_render::film::tonemap::ToneCurve;
 use rilievo_render::{Filter, Integrator, Material, Reflectance, RenderSettings, SamplerKind};
+use rilievo_render::film::tonemap::View;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -130,7 +130,7 @@ fn every_key_arrives() {
     assert_eq!(*scene.settings(), want);
     assert_eq!(scene.background(), DVec3::new(0.1, 0.2, 0.3));
     assert_eq!(scene.ambient(), DVec3::splat(0.01));
-    assert_eq!((loaded.tone_map.exposure, loaded.tone_map.curve), (-1.5, ToneCurve::Filmic));
+    assert_eq!((loaded.tone_map.exposure, loaded.tone_map.view), (-1.5, View::Filmic));
 
     // Only maps that shapes use are there.
     let names: Vec<_> = loaded.maps.iter().map(|m| m.name.as_str()).collect();

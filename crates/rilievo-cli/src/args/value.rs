@@ -11,6 +11,7 @@ use rilievo::map::{
 };
 use rilievo::relief::Method;
 use rilievo_render::{Aov, Camera, Integrator, RenderSettings, SamplerKind};
+use rilievo_render::film::tonemap::{ToneMap, View};
 
 use crate::name;
 
@@ -102,6 +103,10 @@ pub fn aov() -> impl TypedValueParser<Value = Aov> {
     PossibleValuesParser::new(Aov::ALL.map(Aov::name)).try_map(|name| name.parse::<Aov>())
 }
 
+pub fn view() -> impl TypedValueParser<Value = View> {
+    PossibleValuesParser::new(View::ALL.map(View::name)).try_map(|name| name.parse::<View>())
+}
+
 pub fn lattice() -> impl TypedValueParser<Value = Lattice> {
     named([Lattice::Texel, Lattice::Vertex].map(|lattice| (name::lattice(lattice), lattice)))
 }
@@ -165,6 +170,13 @@ pub fn samples(text: &str) -> Result<u32, String> {
     let most = RenderSettings::MAX_SAMPLES;
     let found = text.parse().ok().filter(|n| (1..=most).contains(n));
     found.ok_or_else(|| format!("expected 1 to {most}"))
+}
+
+/// Stops, either way.
+pub fn exposure(text: &str) -> Result<f64, String> {
+    let most = ToneMap::MAX_STOPS;
+    let found = text.parse().ok().filter(|x: &f64| x.abs() <= most);
+    found.ok_or_else(|| format!("expected stops from -{most} to {most}"))
 }
 
 /// Threads; more than a few thousand are a slip of the hand.

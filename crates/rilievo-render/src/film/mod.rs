@@ -1,9 +1,9 @@
 //! [`Film`]: linear, scene-referred radiance and the layers beside it.
 
 pub mod aov;
+pub mod false_colour;
 pub mod filter;
 pub mod tonemap;
-pub mod view;
 
 pub use aov::{Aov, UnknownAov};
 pub use filter::{Filter, UnknownFilter};

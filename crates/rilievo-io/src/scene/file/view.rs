@@ -2,8 +2,8 @@
 
 use rilievo::glam::DVec3;
 use rilievo::relief::Method;
-use rilievo_render::film::tonemap::{ToneCurve, ToneMap};
 use rilievo_render::{Camera, CameraParts, Filter, Integrator, RenderSettings, SamplerKind};
+use rilievo_render::film::tonemap::{ToneMap, View};
 
 use super::super::syntax::{Table, Value};
 use crate::error::Result;
@@ -12,8 +12,6 @@ use crate::error::Result;
 pub(super) const POINT: &str = "three numbers: [x, y, z]";
 /// Three channels, in words.
 const COLOUR: &str = "three numbers of at least 0: [red, green, blue]";
-/// Largest exposure in stops, either way.
-const MAX_STOPS: f64 = 100.0;
 
 /// A point or a direction.
 pub(super) fn point(value: &Value<'_>) -> Result<DVec3> {
@@ -114,11 +112,11 @@ impl RenderEntry {
         }
         if let Some(value) = table.get("exposure") {
             let allowed = "a number of stops from -100 to 100";
-            entry.tone_map.exposure = value.number_in(-MAX_STOPS..=MAX_STOPS, allowed)?;
+            entry.tone_map.exposure =
+                value.number_in(-ToneMap::MAX_STOPS..=ToneMap::MAX_STOPS, allowed)?;
         }
-        if let Some(value) = table.get("tone_map") {
-            entry.tone_map.curve =
-                value.choice(&[("clamp", ToneCurve::Clamp), ("filmic", ToneCurve::Filmic)])?;
+        if let Some(value) = table.get("view") {
+            entry.tone_map.view = value.choice(&View::ALL.map(|v| (v.name(), v)))?;
         }
         if let Some(value) = table.get("method") {
             entry.method = method(&value)?;
