@@ -14,8 +14,8 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
-use rilievo_render::{Aov, Integrator, SamplerKind};
 use rilievo_render::film::tonemap::View;
+use rilievo_render::{Aov, FilterKind, Integrator, SamplerKind};
 
 use value::{PicturePath, PngPath};
 
@@ -91,6 +91,12 @@ pub struct RenderArgs {
     /// integrator aov: all of them in an EXR; the first as the picture in a PNG.
     #[arg(long, value_name = "LAYERS", value_delimiter = ',', value_parser = value::aov())]
     pub aov: Vec<Aov>,
+    /// Pixel filter [default: the scene's].
+    #[arg(long, value_parser = value::filter())]
+    pub filter: Option<FilterKind>,
+    /// Radius of the filter [default: the scene's; of --filter 0.5, 1, 1.5, 2, 1.5].
+    #[arg(long, value_name = "PIXELS", value_parser = value::filter_radius)]
+    pub filter_radius: Option<f64>,
     /// How a PNG shows light beyond white [default: the scene's].
     #[arg(long, value_parser = value::view())]
     pub view: Option<View>,
@@ -315,6 +321,7 @@ Examples:
   rilievo render spot.obj -o spot.png
   rilievo render dem.tif -o terrain.png
   rilievo render scene.toml -o out.png --view agx --exposure -0.5
+  rilievo render scene.toml -o out.png --filter blackman-harris --filter-radius 1.5
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P

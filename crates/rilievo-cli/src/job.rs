@@ -52,6 +52,12 @@ impl RenderJob {
             view: args.view.unwrap_or(tone_map.view),
         };
         let mut settings = *scene.settings();
+        if let Some(kind) = args.filter {
+            settings.filter = kind.into();
+        }
+        if let Some(radius) = args.filter_radius {
+            settings.filter.radius = radius;
+        }
         settings = RenderSettings {
             integrator: args.integrator.unwrap_or(settings.integrator),
             samples: args.samples.unwrap_or(settings.samples),

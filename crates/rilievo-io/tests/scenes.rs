@@ -11,8 +11,10 @@ use rilievo::relief::{Edges, Method, ShadingNormals};
 use rilievo::surface::Surface;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_io::{Error, Limits, Place};
-use rilievo_render::{Filter, Integrator, Material, Reflectance, RenderSettings, SamplerKind};
 use rilievo_render::film::tonemap::View;
+use rilievo_render::{
+    Filter, FilterKind, Integrator, Material, Reflectance, RenderSettings, SamplerKind,
+};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -125,7 +127,7 @@ fn every_key_arrives() {
         max_depth: 1,
         seed: i64::MAX as u64,
         sampler: SamplerKind::Jittered,
-        filter: Filter::Tent,
+        filter: Filter { kind: FilterKind::Tent, radius: 1.5 },
     };
     assert_eq!(*scene.settings(), want);
     assert_eq!(scene.background(), DVec3::new(0.1, 0.2, 0.3));

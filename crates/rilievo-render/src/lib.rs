@@ -63,7 +63,7 @@ pub mod texture;
 
 pub use bsdf::{Bsdf, Scattered};
 pub use colour::Rgb;
-pub use film::{Aov, Film, Filter};
+pub use film::{Aov, Film, Filter, FilterKind};
 pub use integrator::{Integrator, RayCounts};
 pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, render};

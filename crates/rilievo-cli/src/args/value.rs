@@ -10,8 +10,8 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
-use rilievo_render::{Aov, Camera, Integrator, RenderSettings, SamplerKind};
 use rilievo_render::film::tonemap::{ToneMap, View};
+use rilievo_render::{Aov, Camera, Filter, FilterKind, Integrator, RenderSettings, SamplerKind};
 
 use crate::name;
 
@@ -101,6 +101,18 @@ pub fn sampler() -> impl TypedValueParser<Value = SamplerKind> {
 
 pub fn aov() -> impl TypedValueParser<Value = Aov> {
     PossibleValuesParser::new(Aov::ALL.map(Aov::name)).try_map(|name| name.parse::<Aov>())
+}
+
+pub fn filter() -> impl TypedValueParser<Value = FilterKind> {
+    let names = FilterKind::ALL.map(FilterKind::name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<FilterKind>())
+}
+
+/// Pixels from a pixel's centre to the border of its filter.
+pub fn filter_radius(text: &str) -> Result<f64, String> {
+    let most = Filter::MAX_RADIUS;
+    let found = text.parse().ok().filter(|&x: &f64| x > 0.0 && x <= most);
+    found.ok_or_else(|| format!("expected pixels above 0, at most {most}"))
 }
 
 pub fn view() -> impl TypedValueParser<Value = View> {

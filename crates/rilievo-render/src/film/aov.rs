@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// A quantity of the first hit of a camera ray. Vectors are in world space.
 ///
-/// A pixel holds the mean over those of its samples that hit something. Where none does, `P` is
+/// A pixel holds the mean over those of its samples that hit something and have no negative weight. Where none does, `P` is
 /// NaN, `Z` is infinite and the others are 0. `Steps` is the mean over all samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Aov {

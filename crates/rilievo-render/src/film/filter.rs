@@ -1,29 +1,43 @@
 //! [`Filter`]: pixel filters, by filter importance sampling.
 //!
 //! A camera ray belongs to one pixel only and its place is drawn from the filter \[Ernst2006\], so
-//! every sample has weight 1, pixels stay independent, and an image does not depend on the order
+//! samples have equal weights, pixels stay independent, and an image does not depend on the order
 //! in which tiles are done.
+//!
+//! Mitchell's filter is negative in places \[Mitchell1988\]. Places are then drawn from its positive
+//! or from its negative part, and a sample of the negative part is subtracted. With a share `q` of
+//! the filter's absolute mass negative, the first `n` samples hold `round(n q)` negative ones,
+//! spread evenly over the absolute sample indices, and the pixel is the sum over the sum of
+//! weights. So a constant stays the same constant, no pixel divides by zero, and runs of samples
+//! done apart add up to one run. What is not exact: of `n` samples the negative share is off by at
+//! most `1 / (2 n)`, which goes away with `n` as noise does, but faster. Choosing the part at random,
+//! as \[Pharr2023\], shows as noise even on a constant.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 
 use glam::DVec2;
 
-/// The shape of a pixel's response, in pixels around its centre.
+/// The shape of a filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Filter {
-    /// 1 over the pixel's own square.
+pub enum FilterKind {
+    /// 1 over a square; of radius 1/2, the pixel's own.
     Box,
-    /// A product of two hats of radius 1.
+    /// A product of two hats; radius 1.
     Tent,
-    /// A round Gaussian of standard deviation 1/2, cut at radius 3/2.
+    /// A round Gaussian of a standard deviation of a third of its radius, 3/2, where it is cut.
     Gaussian,
+    /// Mitchell's and Netravali's cubic with B = C = 1/3, in x times in y; radius 2.
+    Mitchell,
+    /// The Blackman-Harris window of four terms \[Harris1978\], in x times in y; radius 3/2.
+    BlackmanHarris,
 }
 
-impl Filter {
-    /// All filters.
-    pub const ALL: [Self; 3] = [Self::Box, Self::Tent, Self::Gaussian];
+impl FilterKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] =
+        [Self::Box, Self::Tent, Self::Gaussian, Self::Mitchell, Self::BlackmanHarris];
 
     /// The name in scene files and on the command line.
     pub fn name(self) -> &'static str {
@@ -31,60 +45,251 @@ impl Filter {
             Self::Box => "box",
             Self::Tent => "tent",
             Self::Gaussian => "gaussian",
+            Self::Mitchell => "mitchell",
+            Self::BlackmanHarris => "blackman-harris",
         }
     }
 
-    /// Largest distance from the pixel's centre along an axis, pixels.
-    pub fn radius(self) -> f64 {
+    /// The usual radius, pixels.
+    pub const fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
             Self::Tent => 1.0,
-            Self::Gaussian => 1.5,
-        }
-    }
-
-    /// The offset from the pixel's centre, distributed as the filter, for `u` uniform in
-    /// `[0, 1)^2`.
-    pub fn sample(self, u: DVec2) -> DVec2 {
-        match self {
-            Self::Box => u - 0.5,
-            Self::Tent => DVec2::new(hat(u.x), hat(u.y)),
-            Self::Gaussian => {
-                let kept = 1.0 - (-self.radius().powi(2) / (2.0 * SIGMA * SIGMA)).exp();
-                let r = SIGMA * (-2.0 * (1.0 - u.x * kept).ln()).sqrt();
-                let (sin, cos) = (TAU * u.y).sin_cos();
-                r * DVec2::new(cos, sin)
-            }
-        }
-    }
-
-    /// The density of [`Self::sample`], per square pixel.
-    pub fn pdf(self, offset: DVec2) -> f64 {
-        match self {
-            Self::Box => f64::from(offset.abs().max_element() <= 0.5),
-            Self::Tent => {
-                let hats = (1.0 - offset.abs()).max(DVec2::ZERO);
-                hats.x * hats.y
-            }
-            Self::Gaussian => {
-                let (r2, limit) = (offset.length_squared(), self.radius().powi(2));
-                let kept = 1.0 - (-limit / (2.0 * SIGMA * SIGMA)).exp();
-                let inside = f64::from(r2 <= limit);
-                inside * (-r2 / (2.0 * SIGMA * SIGMA)).exp() / (TAU * SIGMA * SIGMA * kept)
-            }
+            Self::Gaussian | Self::BlackmanHarris => 1.5,
+            Self::Mitchell => 2.0,
         }
     }
 }
 
-/// Standard deviation of the Gaussian, pixels.
-const SIGMA: f64 = 0.5;
+/// The response of a pixel to the light around its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    /// The shape.
+    pub kind: FilterKind,
+    /// Largest distance from the pixel's centre along an axis, pixels; above 0, at most
+    /// [`Self::MAX_RADIUS`].
+    pub radius: f64,
+}
+
+/// A place to look at, and what is seen there counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSample {
+    /// From the pixel's centre, pixels.
+    pub offset: DVec2,
+    /// 1, or -1 where the filter is negative.
+    pub weight: f64,
+}
+
+impl From<FilterKind> for Filter {
+    /// With its usual radius.
+    fn from(kind: FilterKind) -> Self {
+        Self { kind, radius: kind.radius() }
+    }
+}
+
+impl Filter {
+    /// The pixel's own square.
+    pub const BOX: Self = Self { kind: FilterKind::Box, radius: FilterKind::Box.radius() };
+
+    /// Largest radius, pixels.
+    pub const MAX_RADIUS: f64 = 32.0;
+
+    /// The weight of the sample of absolute index `index`: 1 or -1.
+    pub fn weight(&self, index: u64) -> f64 {
+        match self.kind {
+            FilterKind::Mitchell => {
+                let negative = |n: u64| (n as f64 * cubic::NEGATIVE + 0.5).floor();
+                if negative(index + 1) > negative(index) { -1.0 } else { 1.0 }
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// The place of the sample of absolute index `index`, distributed as the part of the filter that
+    /// its weight says, for `u` uniform in `[0, 1)^2`.
+    pub fn sample(&self, index: u64, u: DVec2) -> FilterSample {
+        let (weight, r) = (self.weight(index), self.radius);
+        let offset = match self.kind {
+            FilterKind::Box => (2.0 * u - 1.0) * r,
+            FilterKind::Tent => DVec2::new(hat(u.x), hat(u.y)) * r,
+            FilterKind::Gaussian => {
+                let distance = r / 3.0 * (-2.0 * (1.0 - u.x * KEPT).ln()).sqrt();
+                let (sin, cos) = (TAU * u.y).sin_cos();
+                distance * DVec2::new(cos, sin)
+            }
+            FilterKind::Mitchell => cubic::sample(weight < 0.0, u) * (0.5 * r),
+            FilterKind::BlackmanHarris => DVec2::new(window::sample(u.x), window::sample(u.y)) * r,
+        };
+        FilterSample { offset, weight }
+    }
+
+    /// The response at an offset from the pixel's centre, per square pixel; its integral is 1.
+    pub fn value(&self, offset: DVec2) -> f64 {
+        let (r, x) = (self.radius, offset / self.radius);
+        let unit = match self.kind {
+            FilterKind::Box => f64::from(x.abs().max_element() <= 1.0) / 4.0,
+            FilterKind::Tent => {
+                let hats = (1.0 - x.abs()).max(DVec2::ZERO);
+                hats.x * hats.y
+            }
+            FilterKind::Gaussian => {
+                let inside = f64::from(x.length_squared() <= 1.0);
+                inside * (-4.5 * x.length_squared()).exp() * 9.0 / (TAU * KEPT)
+            }
+            FilterKind::Mitchell => 4.0 * cubic::value(2.0 * x.x) * cubic::value(2.0 * x.y),
+            FilterKind::BlackmanHarris => window::value(x.x) * window::value(x.y),
+        };
+        unit / (r * r)
+    }
+}
+
+/// Mass of a Gaussian within three standard deviations in the plane: `1 - exp(-9/2)`.
+const KEPT: f64 = 0.988_891_003_461_757_7;
 
 /// Inverse of the cumulative hat on `[-1, 1]`.
 fn hat(u: f64) -> f64 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-impl fmt::Display for Filter {
+/// The place in `[low, high]` where a rising function takes a value, by Newton's steps from the
+/// chord, halving where one leaves what is left of the interval. `curve` gives value and slope.
+fn solve(curve: impl Fn(f64) -> (f64, f64), [mut low, mut high]: [f64; 2], value: f64) -> f64 {
+    let mut x = 0.5 * (low + high);
+    for _ in 0..60 {
+        let (y, slope) = curve(x);
+        if y < value {
+            low = x;
+        } else {
+            high = x;
+        }
+        let next = x - (y - value) / slope;
+        // Not a number where the slope is 0: halve.
+        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        if (next - x).abs() < 1e-12 {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+/// The cubic of radius 2 with B = C = 1/3, in one dimension.
+mod cubic {
+    use glam::DVec2;
+
+    use super::solve;
+
+    /// Where it changes its sign: the root of `7 x^3 - 36 x^2 + 60 x - 32` above 1, which is 8/7.
+    const ZERO: f64 = 8.0 / 7.0;
+
+    /// Mass between 0 and [`ZERO`]; beyond it the mass is half less this.
+    const MAIN: f64 = 0.5 + LOBE;
+
+    /// Absolute mass of one negative lobe: `(6/7)^3 / 36`.
+    const LOBE: f64 = 6.0 / 343.0;
+
+    /// Share of the plane's absolute mass that is negative.
+    pub const NEGATIVE: f64 = NEGATIVE_MASS / (POSITIVE_MASS + NEGATIVE_MASS);
+    const POSITIVE_MASS: f64 = 4.0 * (MAIN * MAIN + LOBE * LOBE);
+    const NEGATIVE_MASS: f64 = 8.0 * MAIN * LOBE;
+
+    pub fn value(x: f64) -> f64 {
+        let x = x.abs();
+        if x < 1.0 {
+            (21.0 * x - 36.0) * x * x / 18.0 + 16.0 / 18.0
+        } else if x < 2.0 {
+            // -7/18 (x - 2)^2 (x - 8/7)
+            -7.0 / 18.0 * (x - 2.0) * (x - 2.0) * (x - ZERO)
+        } else {
+            0.0
+        }
+    }
+
+    /// Mass from 0 to `x` in `[0, 2]`.
+    fn mass(x: f64) -> f64 {
+        if x < 1.0 {
+            ((5.25 * x - 12.0) * x * x + 16.0) * x / 18.0
+        } else {
+            // With y = 2 - x: y^2 (y - 6/7) 7/18, integrated from y to 1, after the mass up to 1.
+            let y = 2.0 - x;
+            let tail = |y: f64| 7.0 / 18.0 * y * y * y * (0.25 * y - 2.0 / 7.0);
+            9.25 / 18.0 + tail(1.0) - tail(y)
+        }
+    }
+
+    /// A place in the plane, distributed as one of the parts of the product.
+    pub fn sample(negative: bool, u: DVec2) -> DVec2 {
+        // Each axis is either in the main part or in a lobe: which, and what is left of u.x.
+        let (in_lobe, x) = if negative {
+            let half = u.x >= 0.5;
+            ([half, !half], 2.0 * u.x - f64::from(half))
+        } else {
+            let main = MAIN * MAIN / (MAIN * MAIN + LOBE * LOBE);
+            let lobes = u.x >= main;
+            ([lobes; 2], if lobes { (u.x - main) / (1.0 - main) } else { u.x / main })
+        };
+        let [a, b] = [(in_lobe[0], x), (in_lobe[1], u.y)].map(|(lobe, u)| along(lobe, u));
+        DVec2::new(a, b)
+    }
+
+    /// A place on a line, in the main part or in one of the two lobes.
+    fn along(lobe: bool, u: f64) -> f64 {
+        let (sign, u) = if u < 0.5 { (-1.0, 1.0 - 2.0 * u) } else { (1.0, 2.0 * u - 1.0) };
+        let place = if lobe {
+            solve(|x| (-mass(x), -value(x)), [ZERO, 2.0], LOBE * u - MAIN)
+        } else {
+            solve(|x| (mass(x), value(x)), [0.0, ZERO], MAIN * u)
+        };
+        sign * place
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::*;
+
+        #[test]
+        fn masses_are_those_of_the_curve() {
+            assert!(value(ZERO).abs() < 1e-15 && (mass(2.0) - 0.5).abs() < 1e-15);
+            assert!((mass(ZERO) - MAIN).abs() < 1e-15, "{}", mass(ZERO) - 0.5);
+            assert!(
+                (value(1.0) - 1.0 / 18.0).abs() < 1e-15 && (mass(1.0) - 9.25 / 18.0).abs() < 1e-15
+            );
+            assert!((POSITIVE_MASS - NEGATIVE_MASS - 1.0).abs() < 1e-14);
+        }
+    }
+}
+
+/// The window on `[-1, 1]`, in one dimension.
+mod window {
+    use super::{PI, solve};
+
+    const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
+
+    pub fn value(x: f64) -> f64 {
+        if x.abs() > 1.0 {
+            return 0.0;
+        }
+        let waves = TERMS.iter().enumerate();
+        waves.map(|(k, a)| a * (PI * k as f64 * x).cos()).sum::<f64>() / (2.0 * TERMS[0])
+    }
+
+    /// Mass from 0 to `x`, and the value there, by the recurrence of Chebyshev.
+    fn mass(x: f64) -> (f64, f64) {
+        let (sin, cos) = (PI * x).sin_cos();
+        let (sin2, cos2) = (2.0 * sin * cos, 2.0 * cos * cos - 1.0);
+        let (sin3, cos3) = (sin * cos2 + cos * sin2, cos * cos2 - sin * sin2);
+        let [a, b, c, d] = TERMS;
+        let mass = a * x + (b * sin + c * sin2 / 2.0 + d * sin3 / 3.0) / PI;
+        (mass / (2.0 * a), (a + b * cos + c * cos2 + d * cos3) / (2.0 * a))
+    }
+
+    pub fn sample(u: f64) -> f64 {
+        let (sign, u) = if u < 0.5 { (-1.0, 1.0 - 2.0 * u) } else { (1.0, 2.0 * u - 1.0) };
+        sign * solve(mass, [0.0, 1.0], 0.5 * u)
+    }
+}
+
+impl fmt::Display for FilterKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
@@ -92,10 +297,12 @@ impl fmt::Display for Filter {
 
 /// A name that no filter has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no filter is called \"{0}\"; there are \"box\", \"tent\" and \"gaussian\"")]
+#[error(
+    "no filter is called \"{0}\"; there are \"box\", \"tent\", \"gaussian\", \"mitchell\" and \"blackman-harris\""
+)]
 pub struct UnknownFilter(pub String);
 
-impl FromStr for Filter {
+impl FromStr for FilterKind {
     type Err = UnknownFilter;
 
     fn from_str(name: &str) -> Result<Self, UnknownFilter> {
@@ -109,39 +316,102 @@ mod tests {
     use super::*;
     use crate::sampler::chi_square::{chi_square_z, independent_points};
 
-    #[test]
-    fn samples_follow_the_density() {
-        const CELLS: usize = 20;
+    /// Sums over cells of a square of side `2 radius`: of a function, and of its absolute value.
+    fn masses(filter: &Filter, cells: usize, part: impl Fn(f64) -> f64) -> Vec<f64> {
         const FINE: usize = 32;
+        let n = cells * FINE;
+        let step = 2.0 * filter.radius / n as f64;
+        let mut sums = vec![0.0; cells * cells];
+        for at in 0..n * n {
+            let p = DVec2::new((at % n) as f64 + 0.5, (at / n) as f64 + 0.5) * step - filter.radius;
+            let cell = at / n / FINE * cells + at % n / FINE;
+            sums[cell] += part(filter.value(p)) * step * step;
+        }
+        sums
+    }
+
+    fn filters() -> impl Iterator<Item = Filter> {
+        let wider = FilterKind::ALL.map(|kind| Filter { kind, radius: 1.25 * kind.radius() });
+        FilterKind::ALL.map(Filter::from).into_iter().chain(wider)
+    }
+
+    #[test]
+    fn responses_add_up_to_one() {
+        for filter in filters() {
+            let sum: f64 = masses(&filter, 20, |value| value).iter().sum();
+            assert!((sum - 1.0).abs() < 1e-3, "{filter:?}: {sum}");
+        }
+    }
+
+    #[test]
+    fn samples_follow_the_part_they_stand_for() {
+        const CELLS: usize = 20;
         const SAMPLES: u32 = 200_000;
-        for filter in Filter::ALL {
-            let radius = filter.radius();
-            let mut observed = vec![0.0; CELLS * CELLS];
-            for u in independent_points(SAMPLES) {
-                let place = (filter.sample(u) / radius + 1.0) * 0.5 * CELLS as f64;
-                let [x, y] = place.to_array().map(|x| (x as usize).min(CELLS - 1));
-                observed[y * CELLS + x] += 1.0;
+        for filter in filters() {
+            for sign in [1.0, -1.0] {
+                let index = (0..100).find(|&i| filter.weight(i) == sign);
+                let Some(index) = index else { continue };
+                let mut observed = vec![0.0; CELLS * CELLS];
+                for u in independent_points(SAMPLES) {
+                    let sample = filter.sample(index, u);
+                    assert_eq!(sample.weight, sign);
+                    assert!(sample.weight * filter.value(sample.offset) >= -1e-12);
+                    let place = (sample.offset / filter.radius + 1.0) * 0.5 * CELLS as f64;
+                    let [x, y] = place.to_array().map(|x| (x as usize).min(CELLS - 1));
+                    observed[y * CELLS + x] += 1.0;
+                }
+                let mut expected = masses(&filter, CELLS, |value| (sign * value).max(0.0));
+                let total: f64 = expected.iter().sum();
+                expected.iter_mut().for_each(|cell| *cell *= f64::from(SAMPLES) / total);
+                let z = chi_square_z(&observed, &expected);
+                assert!(z < 4.0, "{filter:?} {sign}: {z}");
             }
-            let n = CELLS * FINE;
-            let step = 2.0 * radius / n as f64;
-            let mut expected = vec![0.0; CELLS * CELLS];
-            for at in 0..n * n {
-                let p = DVec2::new((at % n) as f64 + 0.5, (at / n) as f64 + 0.5) * step - radius;
-                let cell = at / n / FINE * CELLS + at % n / FINE;
-                expected[cell] += filter.pdf(p) * step * step * f64::from(SAMPLES);
+        }
+    }
+
+    #[test]
+    fn negative_samples_come_in_the_filters_own_share() {
+        let filter = Filter::from(FilterKind::Mitchell);
+        let absolute: f64 = masses(&filter, 20, f64::abs).iter().sum();
+        let share = 0.5 * (1.0 - 1.0 / absolute);
+        let mut sum = 0.0;
+        for n in 1..5000_u32 {
+            sum += filter.weight(u64::from(n) - 1);
+            let negative = 0.5 * (f64::from(n) - sum);
+            assert!((negative - f64::from(n) * share).abs() < 0.51 && sum > 0.0, "{n}");
+        }
+        for kind in FilterKind::ALL.into_iter().filter(|&kind| kind != FilterKind::Mitchell) {
+            assert!((0..1000).all(|index| Filter::from(kind).weight(index) == 1.0));
+        }
+    }
+
+    #[test]
+    fn a_slope_is_seen_as_it_is_and_a_curve_as_by_the_response() {
+        // Means of x and x^2 over many samples against the moments of the response.
+        for filter in filters() {
+            let (mut first, mut second, mut sum) = (0.0, 0.0, 0.0);
+            for (index, u) in independent_points(400_000).enumerate() {
+                let FilterSample { offset, weight } = filter.sample(index as u64, u);
+                first += weight * offset.x;
+                second += weight * offset.x * offset.x;
+                sum += weight;
             }
-            let total = expected.iter().sum::<f64>() / f64::from(SAMPLES);
-            assert!((total - 1.0).abs() < 1e-3, "{filter}: {total}");
-            let z = chi_square_z(&observed, &expected);
-            assert!(z < 4.0, "{filter}: {z}");
+            let cells = 40;
+            let moments = masses(&filter, cells, |value| value);
+            let centre = |at: usize| {
+                ((at % cells) as f64 + 0.5) / cells as f64 * 2.0 * filter.radius - filter.radius
+            };
+            let want: f64 = moments.iter().enumerate().map(|(k, m)| m * centre(k).powi(2)).sum();
+            assert!((first / sum).abs() < 0.01 * filter.radius, "{filter:?}");
+            assert!((second / sum - want).abs() < 0.01 * filter.radius.powi(2), "{filter:?}");
         }
     }
 
     #[test]
     fn names_are_read_back() {
-        for filter in Filter::ALL {
-            assert_eq!(filter.to_string().parse(), Ok(filter));
+        for kind in FilterKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
         }
-        assert!("sinc".parse::<Filter>().is_err());
+        assert!("sinc".parse::<FilterKind>().is_err());
     }
 }

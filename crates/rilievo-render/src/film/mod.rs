@@ -6,7 +6,7 @@ pub mod filter;
 pub mod tonemap;
 
 pub use aov::{Aov, UnknownAov};
-pub use filter::{Filter, UnknownFilter};
+pub use filter::{Filter, FilterKind, UnknownFilter};
 
 /// The pixels of an image were too many for the memory at hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

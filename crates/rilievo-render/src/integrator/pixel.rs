@@ -44,20 +44,24 @@ impl<'a> PixelTracer<'a> {
         self.sums.clear();
         self.sums.resize(out.layers().count(), LayerSum::EMPTY);
         let steps = out.layers().any(|(aov, _)| aov == Aov::Steps);
-        let mut radiance = Rgb::ZERO;
+        let (mut radiance, mut weights) = (Rgb::ZERO, 0.0);
         for first in (0..samples).step_by(PACKET) {
             let strands = (first..samples.min(first + PACKET as u64))
                 .map(|index| Strand { index, count: samples });
             self.packet.rays.clear();
+            self.packet.weights.clear();
             for strand in strands.clone() {
-                let ray = self.camera_ray(pixel, strand);
+                let (ray, weight) = self.camera_ray(pixel, strand);
                 self.packet.rays.push(ray);
+                self.packet.weights.push(weight);
             }
             self.rays.camera += self.packet.rays.len() as u64;
             self.packet.trace(self.scene, steps);
             for (k, strand) in strands.enumerate() {
                 let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
-                radiance += match settings.integrator {
+                let weight = self.packet.weights[k];
+                weights += weight;
+                let seen = match settings.integrator {
                     Integrator::Distributed => {
                         let (table, rays) = (&mut self.table, &mut self.rays);
                         let mut tree = Distributed { scene: self.scene, table, rays };
@@ -65,31 +69,39 @@ impl<'a> PixelTracer<'a> {
                     }
                     Integrator::Aov => headlight(self.scene, ray, hit),
                 };
+                radiance += weight * seen;
+                if weight < 0.0 {
+                    continue;
+                }
                 for ((aov, _), sum) in out.layers().zip(&mut self.sums) {
                     sum.add(aov, self.scene, hit, self.packet.work[k]);
                 }
             }
         }
-        *out.radiance = (radiance / samples as f64).to_array().map(|channel| channel as f32);
+        *out.radiance = (radiance / weights).to_array().map(|channel| channel as f32);
         for ((aov, channels), sum) in out.layers().zip(&self.sums) {
             sum.store(aov, channels);
         }
     }
 
-    /// The camera ray of a sample of `pixel`.
-    fn camera_ray(&mut self, pixel: [u32; 2], strand: Strand) -> Ray {
+    /// The camera ray of a sample of `pixel`, and the sample's weight.
+    fn camera_ray(&mut self, pixel: [u32; 2], strand: Strand) -> (Ray, f64) {
         let mut place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+        let mut weight = 1.0;
         if !self.pixel_centers {
             let u = self.table.point(Dimension::Pixel, strand);
-            place += self.scene.settings().filter.sample(u);
+            let sample = self.scene.settings().filter.sample(strand.index, u);
+            (place, weight) = (place + sample.offset, sample.weight);
         }
-        self.scene.camera().ray(place.x, place.y)
+        (self.scene.camera().ray(place.x, place.y), weight)
     }
 }
 
 /// Camera rays of one pixel, and what they meet.
 struct Packet {
     rays: Vec<Ray>,
+    /// What each counts.
+    weights: Vec<f64>,
     hits: [Option<Hit>; PACKET],
     /// Work that each ray took, if it was counted.
     work: [u64; PACKET],
@@ -97,7 +109,8 @@ struct Packet {
 
 impl Packet {
     fn new() -> Self {
-        Self { rays: Vec::with_capacity(PACKET), hits: [None; PACKET], work: [0; PACKET] }
+        let (rays, weights) = (Vec::with_capacity(PACKET), Vec::with_capacity(PACKET));
+        Self { rays, weights, hits: [None; PACKET], work: [0; PACKET] }
     }
 
     /// Finds all hits; rays whose work is wanted go one by one.

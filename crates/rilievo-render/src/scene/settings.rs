@@ -5,7 +5,7 @@ use crate::integrator::Integrator;
 use crate::sampler::SamplerKind;
 
 /// How a scene asks to be rendered. [`super::Scene`] holds a checked copy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderSettings {
     /// What is estimated.
     pub integrator: Integrator,
@@ -39,23 +39,23 @@ impl Default for RenderSettings {
             max_depth: 5,
             seed: 0,
             sampler: SamplerKind::Sobol,
-            filter: Filter::Box,
+            filter: Filter::BOX,
         }
     }
 }
 
 /// Why settings were refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{setting} is {found}; {min} to {max} are allowed")]
 pub struct SettingsError {
     /// The name of the setting.
     pub setting: &'static str,
     /// The value found.
-    pub found: u32,
+    pub found: f64,
     /// The smallest value allowed.
-    pub min: u32,
+    pub min: f64,
     /// The largest value allowed.
-    pub max: u32,
+    pub max: f64,
 }
 
 impl RenderSettings {
@@ -71,7 +71,8 @@ impl RenderSettings {
     /// # Errors
     /// [`SettingsError`] names the first count that is out of range.
     pub fn check(&self) -> Result<(), SettingsError> {
-        let within = |setting, found, min, max| {
+        let within = |setting, found: u32, min: u32, max: u32| {
+            let [found, min, max] = [found, min, max].map(f64::from);
             if (min..=max).contains(&found) {
                 Ok(())
             } else {
@@ -82,7 +83,13 @@ impl RenderSettings {
         within("shadow_samples", self.shadow_samples, 1, Self::MAX_SPLIT)?;
         within("glossy_samples", self.glossy_samples, 1, Self::MAX_SPLIT)?;
         within("diffuse_samples", self.diffuse_samples, 0, Self::MAX_SPLIT)?;
-        within("max_depth", self.max_depth, 0, Self::MAX_DEPTH)
+        within("max_depth", self.max_depth, 0, Self::MAX_DEPTH)?;
+        let (found, max) = (self.filter.radius, Filter::MAX_RADIUS);
+        if found > 0.0 && found <= max {
+            Ok(())
+        } else {
+            Err(SettingsError { setting: "filter_radius", found, min: 0.0, max })
+        }
     }
 }
 
@@ -98,5 +105,10 @@ mod tests {
         let deep = RenderSettings { max_depth: 257, ..RenderSettings::default() };
         let message = deep.check().unwrap_err().to_string();
         assert_eq!(message, "max_depth is 257; 0 to 256 are allowed");
+        for radius in [0.0, -1.0, f64::NAN, 33.0] {
+            let wide = Filter { radius, ..Filter::BOX };
+            let settings = RenderSettings { filter: wide, ..RenderSettings::default() };
+            assert_eq!(settings.check().unwrap_err().setting, "filter_radius");
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::scenes::{Builder, camera, diffuse, emitter};
 use glam::DVec3;
 use rilievo_render::{
-    Aov, Filter, Integrator, Material, RenderOptions, RenderSettings, Rgb, Scene, render,
+    Aov, FilterKind, Integrator, Material, RenderOptions, RenderSettings, Rgb, Scene, render,
 };
 
 /// A room with a lamp, a glossy sphere and a mirror; 70 x 50 pixels leave tiles cut.
@@ -24,12 +24,13 @@ fn scene(settings: RenderSettings) -> Scene {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bytes() {
-    for (integrator, filter) in
-        [(Integrator::Distributed, Filter::Gaussian), (Integrator::Aov, Filter::Tent)]
-    {
+    for (integrator, filter) in [
+        (Integrator::Distributed, FilterKind::Mitchell),
+        (Integrator::Aov, FilterKind::BlackmanHarris),
+    ] {
         let settings = RenderSettings {
             integrator,
-            filter,
+            filter: filter.into(),
             samples: 3,
             diffuse_samples: 2,
             ..Default::default()

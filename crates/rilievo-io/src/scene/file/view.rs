@@ -2,8 +2,10 @@
 
 use rilievo::glam::DVec3;
 use rilievo::relief::Method;
-use rilievo_render::{Camera, CameraParts, Filter, Integrator, RenderSettings, SamplerKind};
 use rilievo_render::film::tonemap::{ToneMap, View};
+use rilievo_render::{
+    Camera, CameraParts, Filter, FilterKind, Integrator, RenderSettings, SamplerKind,
+};
 
 use super::super::syntax::{Table, Value};
 use crate::error::Result;
@@ -102,7 +104,12 @@ impl RenderEntry {
             settings.sampler = value.choice(&SamplerKind::ALL.map(|s| (s.name(), s)))?;
         }
         if let Some(value) = table.get("filter") {
-            settings.filter = value.choice(&Filter::ALL.map(|f| (f.name(), f)))?;
+            settings.filter = value.choice(&FilterKind::ALL.map(|f| (f.name(), f)))?.into();
+        }
+        if let Some(value) = table.get("filter_radius") {
+            let allowed = "a number of pixels above 0, at most 32";
+            settings.filter.radius =
+                value.number_in(f64::MIN_POSITIVE..=Filter::MAX_RADIUS, allowed)?;
         }
         if let Some(value) = table.get("background") {
             entry.background = colour(&value)?;
