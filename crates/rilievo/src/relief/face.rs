@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use crate::accel::Aabb;
 use crate::hit::Hit;
 use crate::map::DistanceKind;
-use crate::probe::Probe;
+use crate::probe::{Counters, Probe};
 use crate::ray::{Part, Ray, Wall};
 use crate::simd::{self, Kernel, Lanes};
 
@@ -182,9 +182,10 @@ impl ReliefFace {
     }
 
     /// Whether the ray meets the face at some `0 <= t <= ray.t_max`.
+    #[inline]
     pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         if self.options.method.is_exact() {
-            simd::run(self.options.simd, IsCrossed { face: self, ray, probe })
+            self.is_crossed(ray, probe.counters())
         } else {
             self.first_crossing(ray, probe).is_some()
         }
@@ -192,8 +193,9 @@ impl ReliefFace {
 
     /// The nearest crossing with `0 <= t <= ray.t_max`: what [`ReliefFace::closest`] finds, without
     /// normals and position. Cheaper where several surfaces compete, or only `t` counts.
+    #[inline]
     pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Crossing> {
-        simd::run(self.options.simd, FirstCrossing { face: self, ray, probe })
+        self.crossing(ray, probe.counters())
     }
 
     /// [`ReliefFace::first_crossing`] of many rays, bit for bit the same; `found` takes one answer a
@@ -210,7 +212,39 @@ impl ReliefFace {
     ) {
         assert_eq!(rays.len(), found.len(), "one answer a ray");
         for (rays, found) in rays.chunks(PACKET).zip(found.chunks_mut(PACKET)) {
-            simd::run(self.options.simd, FirstCrossings { face: self, rays, found, probe });
+            self.crossings(rays, found, probe.counters());
+        }
+    }
+
+    fn is_crossed(&self, ray: &Ray, counters: Option<&mut Counters>) -> bool {
+        let face = self;
+        match counters {
+            None => simd::run(self.options.simd, IsCrossed { face, ray, probe: &mut () }),
+            Some(probe) => simd::run_portable(IsCrossed { face, ray, probe }),
+        }
+    }
+
+    fn crossing(&self, ray: &Ray, counters: Option<&mut Counters>) -> Option<Crossing> {
+        let face = self;
+        match counters {
+            None => simd::run(self.options.simd, FirstCrossing { face, ray, probe: &mut () }),
+            Some(probe) => simd::run_portable(FirstCrossing { face, ray, probe }),
+        }
+    }
+
+    /// Those of at most [`PACKET`] rays.
+    fn crossings(
+        &self,
+        rays: &[Ray],
+        found: &mut [Option<Crossing>],
+        counters: Option<&mut Counters>,
+    ) {
+        let face = self;
+        match counters {
+            None => {
+                simd::run(self.options.simd, FirstCrossings { face, rays, found, probe: &mut () });
+            }
+            Some(probe) => simd::run_portable(FirstCrossings { face, rays, found, probe }),
         }
     }
 

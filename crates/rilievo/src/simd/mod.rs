@@ -142,5 +142,12 @@ pub(crate) fn run<K: Kernel>(level: SimdLevel, kernel: K) -> K::Output {
     level.enter(kernel)
 }
 
+/// Runs a kernel at the portable level, of which alone it is compiled then: for work that is counted,
+/// where compiling is dearer than running. All levels give the same bits and take the same steps.
+#[inline]
+pub(crate) fn run_portable<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<portable::Portable>()
+}
+
 #[cfg(test)]
 mod tests;

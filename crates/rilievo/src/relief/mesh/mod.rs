@@ -299,13 +299,13 @@ impl ReliefMesh {
 
     /// Whether the ray meets the mesh at some `0 <= t <= ray.t_max`.
     pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.search(ray, true, probe).is_some()
+        self.search(ray, true, probe.counters()).is_some()
     }
 
     /// The nearest crossing with `0 <= t <= ray.t_max`: what [`ReliefMesh::closest`] finds, without
     /// normals and position.
     pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<MeshCrossing> {
-        self.search(ray, false, probe)
+        self.search(ray, false, probe.counters())
     }
 
     /// Height over the level that a side of an edge shows.

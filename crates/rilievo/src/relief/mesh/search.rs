@@ -1,7 +1,7 @@
 //! One ray against a mesh: the tree, and what is done at its items.
 
 use crate::accel::Visit;
-use crate::probe::Probe;
+use crate::probe::{Counters, Probe};
 use crate::ray::Ray;
 use crate::simd::{self, Kernel, Lanes};
 
@@ -12,17 +12,20 @@ use super::{MeshCrossing, Method, ReliefMesh};
 
 impl ReliefMesh {
     /// The nearest crossing, or any.
-    pub(super) fn search<P: Probe>(
+    pub(super) fn search(
         &self,
         ray: &Ray,
         any: bool,
-        probe: &mut P,
+        counters: Option<&mut Counters>,
     ) -> Option<MeshCrossing> {
         let line = MeshRay::new(&self.lifted(ray), self.centre, &self.tree.bounds())?;
-        let mut nearest = Nearest::new(line.t_max, any);
-        let search = Search { mesh: self, line: &line, nearest: &mut nearest, probe };
-        simd::run(self.options.simd, search);
-        let candidate = nearest.found?;
+        let mut found = Nearest::new(line.t_max, any);
+        let (mesh, line, nearest) = (self, &line, &mut found);
+        match counters {
+            None => simd::run(self.options.simd, Search { mesh, line, nearest, probe: &mut () }),
+            Some(probe) => simd::run_portable(Search { mesh, line, nearest, probe }),
+        }
+        let candidate = found.found?;
         let t = (line.t_start + candidate.t).min(ray.t_max);
         Some(MeshCrossing { t, candidate })
     }

@@ -49,7 +49,7 @@ pub use options::{ReliefSphereError, SphereOptions};
 use crate::accel::Aabb;
 use crate::hit::Hit;
 use crate::map::{CubeFace, Tiling};
-use crate::probe::Probe;
+use crate::probe::{Counters, Probe};
 use crate::ray::{Part, Ray};
 use crate::simd::{self, Kernel, Lanes};
 use crate::spherical;
@@ -165,7 +165,15 @@ impl ReliefSphere {
     /// normals and position.
     #[inline]
     pub fn first_crossing<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<SphereCrossing> {
-        simd::run(self.options.simd, FirstCrossing { sphere: self, ray, probe })
+        self.crossing(ray, probe.counters())
+    }
+
+    fn crossing(&self, ray: &Ray, counters: Option<&mut Counters>) -> Option<SphereCrossing> {
+        let sphere = self;
+        match counters {
+            None => simd::run(self.options.simd, FirstCrossing { sphere, ray, probe: &mut () }),
+            Some(probe) => simd::run_portable(FirstCrossing { sphere, ray, probe }),
+        }
     }
 
     /// The hit of a crossing that [`ReliefSphere::first_crossing`] found. `hit.surface` is 0.
