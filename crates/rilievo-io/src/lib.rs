@@ -3,7 +3,7 @@
 //!
 //! | module | reads | writes |
 //! |---|---|---|
-//! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM | EXR, PNG |
+//! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM, HDR | EXR, PNG |
 //! | [`map_file`] | baked normals, distances, min-max bounds | the same |
 //! | [`mesh`] | models: OBJ with MTL, PLY, glTF, GLB | |
 //! | [`scene`] | TOML scenes, with all the files they name | |

@@ -9,9 +9,11 @@ use rilievo::glam::{DVec2, DVec3};
 use rilievo::map::{DistanceKind, Lattice, Samples, Tiling, Wrap};
 use rilievo::relief::{Edges, Method, ShadingNormals};
 use rilievo::surface::Surface;
+use rilievo_io::image::read_colour;
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_io::{Error, Limits, Place};
 use rilievo_render::film::tonemap::View;
+use rilievo_render::light::{Environment, EnvironmentPlacement, Light, PointLight, SunLight, Up};
 use rilievo_render::{
     Filter, FilterKind, Integrator, Material, Reflectance, RenderSettings, SamplerKind,
 };
@@ -125,6 +127,7 @@ fn every_key_arrives() {
         glossy_samples: 3,
         diffuse_samples: 2,
         max_depth: 1,
+        clamp: 12.5,
         seed: i64::MAX as u64,
         sampler: SamplerKind::Jittered,
         filter: Filter { kind: FilterKind::Tent, radius: 1.5 },
@@ -133,6 +136,18 @@ fn every_key_arrives() {
     assert_eq!(scene.background(), DVec3::new(0.1, 0.2, 0.3));
     assert_eq!(scene.ambient(), DVec3::splat(0.01));
     assert_eq!((loaded.tone_map.exposure, loaded.tone_map.view), (-1.5, View::Filmic));
+
+    let lamps = &scene.lights()[scene.lights().len() - 3..];
+    let point = PointLight::new(DVec3::Z * 3.0, DVec3::new(5.0, 4.0, 3.0)).unwrap();
+    let spot = PointLight::new(DVec3::Z * 4.0, DVec3::splat(9.0)).unwrap();
+    let spot = spot.spot(DVec3::NEG_Z, [10.0, 30.0]).unwrap();
+    let sun = SunLight::new(DVec3::new(1.0, 0.0, -1.0), DVec3::splat(2.0), 0.5).unwrap();
+    assert_eq!(lamps, [Light::Point(point), Light::Point(spot), Light::Sun(sun)]);
+    let image = root().join("tests/data/png/valid/basn2c08.png");
+    let image = read_colour(&image, &Limits::default()).unwrap();
+    let scale = DVec3::new(2.0, 1.0, 0.5);
+    let placement = EnvironmentPlacement { scale, rotate: -30.0, up: Up::Y };
+    assert_eq!(scene.environment(), Environment::new(&image, placement).as_ref());
 
     // Only maps that shapes use are there.
     let names: Vec<_> = loaded.maps.iter().map(|m| m.name.as_str()).collect();

@@ -7,6 +7,8 @@ use rilievo::relief::ShadingNormals;
 use rilievo::surface::Surface;
 
 use crate::film::Film;
+use crate::integrator::Integrator;
+use crate::light::Environment;
 use crate::render::{RenderOptions, TILE, thread_count};
 use crate::scene::{Reflectance, Scene};
 
@@ -51,6 +53,10 @@ impl MemoryUse {
             {
                 all.textures += texture.image.bytes();
             }
+        }
+        all.textures += scene.environment().map_or(0, Environment::bytes);
+        if scene.settings().integrator == Integrator::Path {
+            all.geometry += scene.lighting().bytes();
         }
         all.film = Film::predicted_bytes(scene.camera().resolution(), options.aovs);
         let tile = Film::predicted_bytes([TILE; 2], options.aovs);

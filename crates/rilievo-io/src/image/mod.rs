@@ -7,6 +7,7 @@
 //! | JPEG 8 bit | yes | yes, sRGB | yes | no |
 //! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | float, ZIP |
 //! | PFM | yes | yes, linear | yes | no |
+//! | Radiance HDR | yes | yes, linear | yes | no |
 //! | Esri ASCII grid, SRTM `.hgt`, `.bil` with `.hdr` | yes | no use | yes | no |
 //!
 //! The format is told from the first bytes, not from the name. Row 0 of what this module returns
@@ -25,6 +26,7 @@ mod jpeg;
 mod normal;
 mod pfm;
 mod png;
+mod radiance;
 mod raw;
 mod read_channels;
 mod source;
@@ -65,6 +67,8 @@ pub enum ImageFormat {
     Exr,
     /// Portable float map.
     Pfm,
+    /// Radiance's picture of shared exponents.
+    Radiance,
     /// Esri ASCII grid.
     AsciiGrid,
     /// SRTM's heights, signed 16-bit metres.
@@ -76,7 +80,7 @@ pub enum ImageFormat {
 impl ImageFormat {
     /// What is read, in words.
     pub(crate) const NAMES: &'static str =
-        "PNG, TIFF, JPEG, OpenEXR, PFM, Esri ASCII grid, .hgt, .bil";
+        "PNG, TIFF, JPEG, OpenEXR, PFM, Radiance HDR, Esri ASCII grid, .hgt, .bil";
 
     /// The format of a file that begins with `head`.
     pub fn of(head: &[u8]) -> Option<Self> {
@@ -86,6 +90,7 @@ impl ImageFormat {
             [0xff, 0xd8, ..] => Some(Self::Jpeg),
             [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
             [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => Some(Self::Pfm),
+            [b'#', b'?', ..] => Some(Self::Radiance),
             [b'n' | b'N', b'c' | b'C', b'o' | b'O', b'l' | b'L', b's' | b'S', ..] => {
                 Some(Self::AsciiGrid)
             }
@@ -115,6 +120,7 @@ impl std::fmt::Display for ImageFormat {
             Self::Jpeg => "JPEG",
             Self::Exr => "OpenEXR",
             Self::Pfm => "PFM",
+            Self::Radiance => "Radiance HDR",
             Self::AsciiGrid => "Esri ASCII grid",
             Self::Hgt => "SRTM heights",
             Self::Raw => "raw heights",
@@ -133,6 +139,7 @@ fn decode(mut source: Source<'_>, sink: &mut dyn Sink) -> Result<()> {
             ImageFormat::Jpeg => jpeg::decode(context, input, sink),
             ImageFormat::Exr => exr::decode(context, input, sink),
             ImageFormat::Pfm => pfm::decode(context, input, sink),
+            ImageFormat::Radiance => radiance::decode(context, input, sink),
             ImageFormat::AsciiGrid => grid::decode(context, input, sink),
             ImageFormat::Hgt | ImageFormat::Raw => raw::decode(context, format, input, sink),
         }

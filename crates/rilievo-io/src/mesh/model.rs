@@ -158,7 +158,9 @@ pub enum LightKind {
         position: DVec3,
         /// Its axis, a unit vector.
         direction: DVec3,
-        /// Half the angle of the cone, radians.
+        /// From the axis to where the full intensity ends, radians.
+        inner: f64,
+        /// From the axis to where all light ends, radians.
         outer: f64,
     },
     /// Shines from infinitely far.

@@ -1,23 +1,14 @@
 //! The scene that shows a model: framed as a whole, or seen by its own first camera, with its own
 //! lights, or a key light and a bright sky if it has none.
-//!
-//! Lights without size become small spheres, since only surfaces are lights here: a point of `I`
-//! candela a sphere of radius `r` with radiance `I / (pi r^2)`, a sun of `E` lux a sphere far away,
-//! half a degree wide as the real one, with the radiance that gives `E` \[Pharr2023\]. Watts stand
-//! for lumens: only ratios matter in a picture. The cone of a spot is not kept.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use rilievo::glam::DVec3;
 
-use super::model::{LightKind, Model, ModelCamera};
+use super::model::{Model, ModelCamera};
 use crate::scene::quoted;
 
-/// Radius of a point light, in sizes of the model.
-const POINT_RADIUS: f64 = 0.01;
-/// Distance of a sun, in sizes of the model, and its radius in distances.
-const SUN: (f64, f64) = (100.0, 0.0047);
 /// Where a camera stands that the file does not have: in front, a little to the right and above.
 const VIEW: DVec3 = DVec3::new(0.5, 0.3, 1.0);
 
@@ -75,28 +66,8 @@ fn write_camera(text: &mut String, camera: &ModelCamera) -> std::fmt::Result {
 fn write_lights(text: &mut String, model: &Model, middle: DVec3, size: f64) -> std::fmt::Result {
     let emits = model.materials.iter().any(|m| m.emitted != DVec3::ZERO);
     writeln!(text, "[render]\nsamples = 16\nmax_depth = 4")?;
-    if emits {
-        return Ok(());
-    }
-    if !model.lights.is_empty() {
-        for (k, light) in model.lights.iter().enumerate() {
-            let (center, radius) = match light.kind {
-                LightKind::Point { position } | LightKind::Spot { position, .. } => {
-                    (position, POINT_RADIUS * size)
-                }
-                LightKind::Sun { direction } => {
-                    (middle - SUN.0 * size * direction, SUN.0 * SUN.1 * size)
-                }
-            };
-            let area = match light.kind {
-                LightKind::Sun { .. } => std::f64::consts::PI * SUN.1 * SUN.1,
-                _ => std::f64::consts::PI * radius * radius,
-            };
-            let radiance = point(light.intensity / area);
-            writeln!(text, "[materials.light{k}]\ndiffuse = [0, 0, 0]\nemitted = {radiance}")?;
-            writeln!(text, "[[shapes]]\ntype = \"sphere\"\ncenter = {}", point(center))?;
-            writeln!(text, "radius = {radius}\nmaterial = \"light{k}\"")?;
-        }
+    // Its own lights come with the model.
+    if emits || !model.lights.is_empty() {
         return Ok(());
     }
     writeln!(text, "background = [0.5, 0.55, 0.6]\nambient = [0.22, 0.24, 0.27]")?;

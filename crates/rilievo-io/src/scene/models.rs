@@ -8,11 +8,12 @@
 
 use std::sync::Arc;
 
-use rilievo::glam::DAffine3;
+use rilievo::glam::{DAffine3, DVec3};
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Displacement, MeshOptions, Relief, ReliefMesh, ReliefMeshError};
 use rilievo::surface::Surface;
 use rilievo_render::colour::Rgb;
+use rilievo_render::light::{Light, PointLight, SunLight};
 use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Material, Reflectance};
 
@@ -21,7 +22,7 @@ use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::{Error, Result};
 use crate::image::{HeightOptions, read_colour, read_colour_bytes};
-use crate::mesh::{ImageSource, ImageUse, Model, ModelMaterial};
+use crate::mesh::{ImageSource, ImageUse, LightKind, Model, ModelLight, ModelMaterial};
 
 /// Metalness from which a material is a metal.
 const METAL: f64 = 0.5;
@@ -68,6 +69,7 @@ impl Loader<'_> {
     pub(super) fn parts(&mut self, entry: &MeshEntry) -> Result<Vec<(Surface, Option<Material>)>> {
         let (file, place) = (&entry.file, entry.world_from_object.as_ref());
         let model = self.model(entry)?;
+        self.light_of(&model, place);
         if model.mesh.triangles.is_empty() {
             return Ok(vec![(self.placed(model.mesh, file, place)?.into(), None)]);
         }
@@ -115,6 +117,32 @@ impl Loader<'_> {
             parts.push((displaced.into(), own));
         }
         Ok(parts)
+    }
+
+    /// Adds the lights of a model: a candela counts as 1 W/sr, a lux as 1 W/m^2. A transform moves and turns
+    /// them, and leaves their numbers alone.
+    fn light_of(&mut self, model: &Model, place: Option<&Located<DAffine3>>) {
+        let place = place.map_or(DAffine3::IDENTITY, |place| place.value);
+        for ModelLight { name, intensity, kind } in &model.lights {
+            let along = |direction: DVec3| place.transform_vector3(direction);
+            let at =
+                |position: DVec3| PointLight::new(place.transform_point3(position), *intensity);
+            let light = match *kind {
+                LightKind::Point { position } => at(position).map(Light::Point),
+                LightKind::Spot { position, direction, inner, outer } => at(position)
+                    .and_then(|light| {
+                        light.spot(along(direction), [inner, outer].map(f64::to_degrees))
+                    })
+                    .map(Light::Point),
+                LightKind::Sun { direction } => {
+                    SunLight::new(along(direction), *intensity, 0.0).map(Light::Sun)
+                }
+            };
+            match light {
+                Ok(light) => self.lamps.push(light),
+                Err(e) => self.notes.push(format!("light {name:?} not used: {e}")),
+            }
+        }
     }
 
     /// The heights that a model's material names.

@@ -9,12 +9,13 @@ use rilievo::map::{Lattice, NormalConvention, Wrap};
 use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
+use rilievo_render::light::{Environment, Light};
 use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
 
 use super::file::{
-    Diffuse, DisplacementEntry, MaterialEntry, Normals, QuadEntry, SceneFile, Shape, ShapeEntry,
-    SphereEntry,
+    Diffuse, DisplacementEntry, EnvironmentEntry, MaterialEntry, Normals, QuadEntry, SceneFile,
+    Shape, ShapeEntry, SphereEntry,
 };
 use super::load_map::{self, Face, Needs};
 use super::options::LoadOptions;
@@ -72,6 +73,7 @@ impl SceneFile {
             maps: HashMap::new(),
             sphere_maps: HashMap::new(),
             images: HashMap::new(),
+            lamps: self.lights.clone(),
             notes: Vec::new(),
         };
         loader.load_maps()?;
@@ -102,8 +104,12 @@ impl SceneFile {
             ambient: self.render.ambient,
             settings: self.render.settings,
         };
-        let scene = Scene::new(parts)
-            .map_err(|e| self.invalid(&(0..0), "scene", e.to_string(), String::new()))?;
+        let mut scene = Scene::new(parts)
+            .map_err(|e| self.invalid(&(0..0), "scene", e.to_string(), String::new()))?
+            .with_lamps(std::mem::take(&mut loader.lamps));
+        if let Some(environment) = self.load_environment(options)? {
+            scene = scene.with_environment(environment);
+        }
         let mut maps: Vec<_> = (loader.maps.into_iter())
             .map(|(name, relief)| LoadedMap { name: name.to_owned(), relief })
             .collect();
@@ -112,6 +118,15 @@ impl SceneFile {
         sphere_maps.sort_by_key(LoadedSphereMap::order);
         let tone_map = self.render.tone_map;
         Ok(LoadedScene { scene, maps, sphere_maps, tone_map, notes: loader.notes })
+    }
+
+    fn load_environment(&self, options: &LoadOptions<'_>) -> Result<Option<Environment>> {
+        let Some(EnvironmentEntry { file, placement }) = &self.environment else {
+            return Ok(None);
+        };
+        let image = read_colour(&self.beside(&file.value), &options.limits)
+            .map_err(|e| self.referenced(file, "environment", e))?;
+        Ok(Environment::new(&image, *placement))
     }
 
     fn load_camera(&self) -> Result<Camera> {
@@ -188,6 +203,8 @@ pub(super) struct Loader<'a> {
     pub(super) maps: HashMap<&'a str, Arc<Relief>>,
     pub(super) sphere_maps: HashMap<SphereMapKey<'a>, LoadedSphereMap>,
     pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
+    /// Lights that are no shapes: those of the scene, then those of models.
+    pub(super) lamps: Vec<Light>,
     /// What was not as files say, a line each.
     pub(super) notes: Vec<String>,
 }

@@ -110,6 +110,13 @@ impl Bsdf {
         }
     }
 
+    /// Whether light from behind the surface can reach the viewer.
+    pub fn transmits(&self) -> bool {
+        match &self.lobes {
+            Lobes::LambertGloss(_) => false,
+        }
+    }
+
     /// Whether every lobe is a single direction: light that is sampled adds nothing.
     pub fn is_delta(&self) -> bool {
         match &self.lobes {

@@ -66,6 +66,6 @@ fn albedo(scene: &Scene, hit: &Hit) -> Rgb {
 pub(super) fn headlight(scene: &Scene, ray: &Ray, hit: Option<&Hit>) -> Rgb {
     match hit {
         Some(hit) => albedo(scene, hit) * hit.shading_normal.dot(ray.direction.normalize()).abs(),
-        None => scene.background(),
+        None => scene.sky(ray.direction),
     }
 }

@@ -27,7 +27,7 @@ use rilievo::{Hit, Ray};
 
 use super::RayCounts;
 use crate::colour::Rgb;
-use crate::light::Light;
+use crate::light::{Light, QuadLight, SphereLight};
 use crate::sampler::{Dimension, PixelTable, Strand, warp};
 use crate::scene::{Material, Scene};
 
@@ -88,7 +88,7 @@ impl Distributed<'_> {
     /// Radiance that arrives against `ray`, given what it meets.
     pub(super) fn radiance(&mut self, ray: &Ray, hit: Option<&Hit>, path: Path) -> Rgb {
         let Some(hit) = hit else {
-            return self.scene.background();
+            return self.escaped(ray, path);
         };
         let material = self.scene.material(hit.surface);
         let facing = Facing::of(hit);
@@ -111,6 +111,20 @@ impl Distributed<'_> {
             let alpha = material.roughness * material.roughness;
             let mirrored = self.reflection(hit, &facing, (view, alpha), (split, path));
             radiance += material.reflective * mirrored;
+        }
+        radiance
+    }
+
+    /// Radiance that arrives against `ray`, which meets nothing. Suns are lights: to a diffuse bounce
+    /// they bring nothing.
+    fn escaped(&self, ray: &Ray, path: Path) -> Rgb {
+        let mut radiance = self.scene.sky(ray.direction);
+        if !path.lit {
+            for light in self.scene.lights() {
+                if let Light::Sun(sun) = light {
+                    radiance += sun.radiance(ray.direction.normalize());
+                }
+            }
         }
         radiance
     }
@@ -163,7 +177,7 @@ impl Distributed<'_> {
         let lights = self.scene.lights().iter().enumerate();
         // A flat quad or a sphere cannot light itself.
         lights
-            .filter(|(_, light)| light.surface() != hit.surface)
+            .filter(|(_, light)| light.surface() != Some(hit.surface))
             .map(|(index, light)| self.irradiance_from(light, index as u32, (hit, facing), path))
             .sum()
     }
@@ -194,10 +208,13 @@ impl Distributed<'_> {
             let world = self.scene.world();
             let hidden = match light {
                 // No other part of the light is in the way of what is seen of it.
-                Light::Quad(_) | Light::Sphere(_) => {
-                    world.occluded_before(&ray, light.surface(), &mut ())
+                Light::Quad(QuadLight { surface, .. })
+                | Light::Sphere(SphereLight { surface, .. }) => {
+                    world.occluded_before(&ray, *surface, &mut ())
                 }
-                Light::Triangle(_) => world.occluded(&ray, &mut ()),
+                Light::Triangle(_) | Light::Point(_) | Light::Sun(_) => {
+                    world.occluded(&ray, &mut ())
+                }
             };
             if !hidden {
                 sum += cosine * sample.weight;

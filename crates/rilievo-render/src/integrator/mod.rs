@@ -2,6 +2,7 @@
 
 mod aov;
 mod distributed;
+mod path;
 mod pixel;
 
 pub(crate) use pixel::PixelTracer;
@@ -17,18 +18,21 @@ pub enum Integrator {
     /// shadows, glossy reflection. Diffuse interreflection only where a scene asks for it, so
     /// biased by design.
     Distributed,
+    /// Paths with next event estimation and multiple importance sampling: all light, unbiased.
+    Path,
     /// The first hit's geometry only; colour is the albedo under a headlight.
     Aov,
 }
 
 impl Integrator {
     /// All integrators.
-    pub const ALL: [Self; 2] = [Self::Distributed, Self::Aov];
+    pub const ALL: [Self; 3] = [Self::Distributed, Self::Path, Self::Aov];
 
     /// The name in scene files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Distributed => "distributed",
+            Self::Path => "path",
             Self::Aov => "aov",
         }
     }
@@ -71,7 +75,7 @@ impl AddAssign for RayCounts {
 
 /// A name that no integrator has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no integrator is called \"{0}\"; there are \"distributed\" and \"aov\"")]
+#[error("no integrator is called \"{0}\"; there are \"distributed\", \"path\" and \"aov\"")]
 pub struct UnknownIntegrator(pub String);
 
 impl FromStr for Integrator {
@@ -92,6 +96,6 @@ mod tests {
         for integrator in Integrator::ALL {
             assert_eq!(integrator.to_string().parse(), Ok(integrator));
         }
-        assert!("path".parse::<Integrator>().is_err());
+        assert!("photon".parse::<Integrator>().is_err());
     }
 }

@@ -5,14 +5,19 @@ use rilievo::{Counters, Hit, Ray};
 
 use super::aov::{LayerSum, headlight};
 use super::distributed::{Distributed, Path};
+use super::path::PathTracer;
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::{Aov, PixelMut};
-use crate::sampler::{Dimension, PixelTable, Sampler, Strand};
+use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
 
 /// Camera rays of a pixel that are traced as one packet.
 const PACKET: usize = 16;
+
+/// The part of a pixel's width that one sample covers, for textures: as with 16 samples a pixel, however
+/// many there are, so that more of them only add to what others took.
+const SAMPLE: f64 = 0.25;
 
 /// Traces pixels one after the other and counts their rays.
 pub(crate) struct PixelTracer<'a> {
@@ -20,6 +25,8 @@ pub(crate) struct PixelTracer<'a> {
     pixel_centers: bool,
     rays: RayCounts,
     table: PixelTable,
+    /// For the path integrator.
+    paths: Option<PathTracer<'a>>,
     sums: Vec<LayerSum>,
     packet: Packet,
 }
@@ -28,7 +35,9 @@ impl<'a> PixelTracer<'a> {
     pub(crate) fn new(scene: &'a Scene, pixel_centers: bool) -> Self {
         let table = PixelTable::new(scene.lights().len());
         let (rays, packet) = (RayCounts::default(), Packet::new());
-        Self { scene, pixel_centers, rays, table, sums: Vec::new(), packet }
+        let paths = (scene.settings().integrator == Integrator::Path)
+            .then(|| PathTracer::new(scene, SAMPLE * scene.camera().pixel_angle()));
+        Self { scene, pixel_centers, rays, table, paths, sums: Vec::new(), packet }
     }
 
     /// Rays traced so far.
@@ -50,10 +59,20 @@ impl<'a> PixelTracer<'a> {
                 .map(|index| Strand { index, count: samples });
             self.packet.rays.clear();
             self.packet.weights.clear();
+            self.packet.numbers.clear();
             for strand in strands.clone() {
-                let (ray, weight) = self.camera_ray(pixel, strand);
+                let Strand { index, count } = strand;
+                let mut numbers =
+                    PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
+                let u = match (self.pixel_centers, &self.paths) {
+                    (true, _) => None,
+                    (false, Some(_)) => Some(numbers.two()),
+                    (false, None) => Some(self.table.point(Dimension::Pixel, strand)),
+                };
+                let (ray, weight) = self.camera_ray(pixel, index, u);
                 self.packet.rays.push(ray);
                 self.packet.weights.push(weight);
+                self.packet.numbers.push(numbers);
             }
             self.rays.camera += self.packet.rays.len() as u64;
             self.packet.trace(self.scene, steps);
@@ -61,13 +80,17 @@ impl<'a> PixelTracer<'a> {
                 let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
                 let weight = self.packet.weights[k];
                 weights += weight;
-                let seen = match settings.integrator {
-                    Integrator::Distributed => {
+                let seen = match (settings.integrator, &self.paths) {
+                    (Integrator::Path, Some(paths)) => {
+                        let numbers = &mut self.packet.numbers[k];
+                        paths.radiance(ray, hit, numbers, &mut self.rays)
+                    }
+                    (Integrator::Distributed, _) => {
                         let (table, rays) = (&mut self.table, &mut self.rays);
                         let mut tree = Distributed { scene: self.scene, table, rays };
                         tree.radiance(ray, hit, Path::from_camera(strand))
                     }
-                    Integrator::Aov => headlight(self.scene, ray, hit),
+                    (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
                 };
                 radiance += weight * seen;
                 if weight < 0.0 {
@@ -84,13 +107,13 @@ impl<'a> PixelTracer<'a> {
         }
     }
 
-    /// The camera ray of a sample of `pixel`, and the sample's weight.
-    fn camera_ray(&mut self, pixel: [u32; 2], strand: Strand) -> (Ray, f64) {
+    /// The camera ray of sample `index` of `pixel`, at its centre or where `u` falls, and the sample's
+    /// weight.
+    fn camera_ray(&self, pixel: [u32; 2], index: u64, u: Option<DVec2>) -> (Ray, f64) {
         let mut place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
         let mut weight = 1.0;
-        if !self.pixel_centers {
-            let u = self.table.point(Dimension::Pixel, strand);
-            let sample = self.scene.settings().filter.sample(strand.index, u);
+        if let Some(u) = u {
+            let sample = self.scene.settings().filter.sample(index, u);
             (place, weight) = (place + sample.offset, sample.weight);
         }
         (self.scene.camera().ray(place.x, place.y), weight)
@@ -102,6 +125,8 @@ struct Packet {
     rays: Vec<Ray>,
     /// What each counts.
     weights: Vec<f64>,
+    /// The numbers of each ray's path.
+    numbers: Vec<PathSampler>,
     hits: [Option<Hit>; PACKET],
     /// Work that each ray took, if it was counted.
     work: [u64; PACKET],
@@ -109,8 +134,13 @@ struct Packet {
 
 impl Packet {
     fn new() -> Self {
-        let (rays, weights) = (Vec::with_capacity(PACKET), Vec::with_capacity(PACKET));
-        Self { rays, weights, hits: [None; PACKET], work: [0; PACKET] }
+        Self {
+            rays: Vec::with_capacity(PACKET),
+            weights: Vec::with_capacity(PACKET),
+            numbers: Vec::with_capacity(PACKET),
+            hits: [None; PACKET],
+            work: [0; PACKET],
+        }
     }
 
     /// Finds all hits; rays whose work is wanted go one by one.

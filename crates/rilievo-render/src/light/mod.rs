@@ -2,12 +2,23 @@
 //!
 //! Every surface with an emitting material glows from its front side, seen directly and in
 //! reflections. Undisplaced quads and spheres are also *lights*: diffuse surfaces receive light
-//! from them through shadow rays. A light does not light its own surface, and emitting meshes and
-//! reliefs only glow.
+//! from them through shadow rays. So are meshes, of up to 64 triangles for the paper's integrator, of
+//! any number for the path integrator. Displaced surfaces and instances only glow: the path integrator
+//! finds them by the directions that materials scatter to, and counts them in full.
+//!
+//! Lights that are no surface are points, spots and suns ([`PointLight`], [`SunLight`]), and an image
+//! of the whole sky ([`Environment`]).
+//!
+//! [`Lighting`] holds all of a scene's light for the path integrator, and chooses among it.
 
+mod bounds;
+mod environment;
+mod lighting;
+mod punctual;
 mod quad;
 mod rectangle;
 mod sphere;
+mod tree;
 mod triangle;
 
 use glam::{DVec2, DVec3};
@@ -15,9 +26,13 @@ use rilievo::surface::Surface;
 
 use crate::colour::Rgb;
 
+use bounds::LightBounds;
 use quad::QuadView;
 use sphere::Cone;
 
+pub use environment::{Environment, EnvironmentPlacement, Up};
+pub(crate) use lighting::{Lighting, Receiver};
+pub use punctual::{LightError, PointLight, SunLight};
 pub use quad::QuadLight;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
@@ -34,6 +49,10 @@ pub enum Light {
     Triangle(TriangleLight),
     /// A sphere, sampled uniformly over the cone it fills.
     Sphere(SphereLight),
+    /// A point or a spot.
+    Point(PointLight),
+    /// A direction, or a disc of the sky.
+    Sun(SunLight),
 }
 
 /// A point of a light as seen from another point.
@@ -46,8 +65,11 @@ pub struct LightSample {
     /// Radiance over the density of `direction`, W/m^2: times the receiver's cosine it estimates
     /// the irradiance.
     pub weight: Rgb,
+    /// Density of `direction`, per steradian; 0 of a light without extent, which has but one.
+    pub pdf: f64,
     /// Share of the way to `position` that must be free. It is below 1 by the rounding error of
-    /// the light's own place, so that the light does not shadow itself.
+    /// the light's own place, so that the light does not shadow itself; infinite where the light is
+    /// infinitely far.
     pub clear: f64,
 }
 
@@ -88,12 +110,13 @@ impl Light {
         }
     }
 
-    /// Index of the light's surface in the world.
-    pub fn surface(&self) -> u32 {
+    /// Index of the light's surface in the world, if it is one.
+    pub fn surface(&self) -> Option<u32> {
         match self {
-            Self::Quad(quad) => quad.surface,
-            Self::Triangle(triangle) => triangle.surface,
-            Self::Sphere(sphere) => sphere.surface,
+            Self::Quad(quad) => Some(quad.surface),
+            Self::Triangle(triangle) => Some(triangle.surface),
+            Self::Sphere(sphere) => Some(sphere.surface),
+            Self::Point(_) | Self::Sun(_) => None,
         }
     }
 
@@ -104,9 +127,72 @@ impl Light {
             Self::Quad(quad) => Shape::Quad(quad, quad.view(point)?),
             Self::Triangle(triangle) => Shape::Triangle(triangle),
             Self::Sphere(sphere) => Shape::Sphere(sphere, sphere.view(point)?),
+            Self::Point(light) => Shape::Point(light),
+            Self::Sun(sun) => Shape::Sun(sun),
         };
         Some(LightView { point, shape })
     }
+
+    /// Density with which [`LightView::sample`] from `point` gives a unit `direction` that meets the
+    /// light's front at `distance`, per steradian.
+    pub(crate) fn pdf(&self, point: DVec3, direction: DVec3, distance: f64) -> f64 {
+        match self {
+            Self::Quad(quad) => {
+                quad.view(point).map_or(0.0, |view| quad.pdf(&view, direction, distance))
+            }
+            Self::Triangle(triangle) => triangle.pdf(direction, distance),
+            Self::Sphere(sphere) => sphere.view(point).map_or(0.0, |cone| cone.pdf()),
+            Self::Point(_) | Self::Sun(_) => 0.0,
+        }
+    }
+
+    /// What the light can do to a point; nothing of one that is infinitely far.
+    fn bounds(&self) -> Option<LightBounds> {
+        let facing = |corners: &[DVec3], normal, area, emitted| LightBounds {
+            min: corners.iter().copied().fold(DVec3::INFINITY, DVec3::min),
+            max: corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max),
+            intensity: luminance(emitted) * area,
+            axis: normal,
+            cos_normals: 1.0,
+            cos_emission: 0.0,
+        };
+        match self {
+            Self::Quad(quad) => {
+                let (c, [a, b], normal) = quad.frame();
+                Some(facing(&[c, c + a, c + b, c + a + b], normal, quad.area(), quad.emitted()))
+            }
+            Self::Triangle(triangle) => {
+                let (c, [a, b], normal) = triangle.frame();
+                let area = 0.5 * a.cross(b).length();
+                Some(facing(&[c, c + a, c + b], normal, area, triangle.emitted()))
+            }
+            Self::Sphere(SphereLight { center, radius, emitted, .. }) => Some(LightBounds {
+                min: center - radius,
+                max: center + radius,
+                intensity: luminance(*emitted) * std::f64::consts::PI * radius * radius,
+                axis: DVec3::Z,
+                cos_normals: -1.0,
+                cos_emission: 0.0,
+            }),
+            Self::Point(light) => {
+                let (axis, cos_emission) = light.cone().unwrap_or((DVec3::Z, -1.0));
+                Some(LightBounds {
+                    min: light.position(),
+                    max: light.position(),
+                    intensity: luminance(light.intensity()),
+                    axis,
+                    cos_normals: if cos_emission < 0.0 { -1.0 } else { 1.0 },
+                    cos_emission,
+                })
+            }
+            Self::Sun(_) => None,
+        }
+    }
+}
+
+/// Luminance, relative.
+fn luminance(rgb: Rgb) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
 /// A light as seen from a point: what all samples from there share.
@@ -121,6 +207,8 @@ enum Shape<'a> {
     Quad(&'a QuadLight, QuadView),
     Triangle(&'a TriangleLight),
     Sphere(&'a SphereLight, Cone),
+    Point(&'a PointLight),
+    Sun(&'a SunLight),
 }
 
 impl LightView<'_> {
@@ -131,6 +219,8 @@ impl LightView<'_> {
             Shape::Quad(quad, view) => quad.sample(self.point, view, u),
             Shape::Triangle(triangle) => triangle.sample(self.point, u),
             Shape::Sphere(sphere, cone) => Some(sphere.sample(self.point, cone, u)),
+            Shape::Point(light) => light.sample(self.point),
+            Shape::Sun(sun) => Some(sun.sample(self.point, u)),
         }
     }
 }
@@ -211,7 +301,7 @@ mod tests {
         for light in &found {
             let (part, part_error) = irradiance(light, DVec3::ZERO, DVec3::Z);
             (mean, error) = (mean + part, error + part_error);
-            assert_eq!(light.surface(), 7);
+            assert_eq!(light.surface(), Some(7));
         }
         let expected = corner_formula(1.5);
         assert!((mean - expected).abs() < 4.0 * error, "{mean} +- {error}, not {expected}");

@@ -35,7 +35,7 @@ pub struct QuadLight {
     area: f64,
     /// Unit normal of the front.
     normal: DVec3,
-    pub(super) surface: u32,
+    pub(crate) surface: u32,
     emitted: Rgb,
 }
 
@@ -98,6 +98,28 @@ impl QuadLight {
         Some(if large { QuadView::Solid(rectangle) } else { QuadView::Area })
     }
 
+    /// Density of [`Self::sample`] at a unit direction that meets the front at `distance`, per
+    /// steradian.
+    pub(super) fn pdf(&self, view: &QuadView, direction: DVec3, distance: f64) -> f64 {
+        match view {
+            QuadView::Area => {
+                let cosine = -direction.dot(self.normal);
+                if cosine > 0.0 { distance * distance / (self.area * cosine) } else { 0.0 }
+            }
+            QuadView::Solid(rectangle) => rectangle.solid_angle().recip(),
+        }
+    }
+
+    /// The corner, the edges from it, the unit normal of the front.
+    pub(super) fn frame(&self) -> (DVec3, [DVec3; 2], DVec3) {
+        (self.corner, self.edges, self.normal)
+    }
+
+    /// Radiance sent out.
+    pub(super) fn emitted(&self) -> Rgb {
+        self.emitted
+    }
+
     /// A point of the light, sampled as `view` says.
     #[inline]
     pub(super) fn sample(&self, point: DVec3, view: &QuadView, u: DVec2) -> Option<LightSample> {
@@ -124,6 +146,7 @@ impl QuadLight {
             position,
             direction: way * inverse,
             weight: self.emitted * solid_angle,
+            pdf: solid_angle.recip(),
             clear: clear_share(point, position, self.normal),
         })
     }

@@ -11,7 +11,7 @@ use crate::sampler::warp::{square_to_cone, square_to_cone_pdf};
 pub struct SphereLight {
     pub(super) center: DVec3,
     pub(super) radius: f64,
-    pub(super) surface: u32,
+    pub(crate) surface: u32,
     pub(super) emitted: Rgb,
 }
 
@@ -24,6 +24,13 @@ pub(super) struct Cone {
     world_from_cone: DMat3,
     /// 1 less the cosine of the half angle.
     height: f64,
+}
+
+impl Cone {
+    /// Density of a direction in the cone, per steradian.
+    pub(super) fn pdf(&self) -> f64 {
+        square_to_cone_pdf(DVec3::Z, self.height)
+    }
 }
 
 impl SphereLight {
@@ -51,10 +58,12 @@ impl SphereLight {
         let half_chord = (self.radius * self.radius - beside.length_squared()).max(0.0).sqrt();
         let position = point + (along - half_chord) * direction;
         let normal = (position - self.center) / self.radius;
+        let pdf = cone.pdf();
         LightSample {
             position,
             direction,
-            weight: self.emitted / square_to_cone_pdf(DVec3::Z, cone.height),
+            weight: self.emitted / pdf,
+            pdf,
             clear: clear_share(point, position, normal),
         }
     }

@@ -31,6 +31,24 @@ impl TriangleLight {
         self.normal != DVec3::ZERO
     }
 
+    /// The corner, the edges from it, the unit normal of the front; zero without area.
+    pub(super) fn frame(&self) -> (DVec3, [DVec3; 2], DVec3) {
+        (self.corner, self.edges, self.normal)
+    }
+
+    /// Radiance sent out.
+    pub(super) fn emitted(&self) -> Rgb {
+        self.emitted
+    }
+
+    /// Density of [`Self::sample`] at a unit direction that meets the front at `distance`, per
+    /// steradian.
+    pub(super) fn pdf(&self, direction: DVec3, distance: f64) -> f64 {
+        let cosine = -direction.dot(self.normal);
+        let area = square_to_triangle_pdf(self.edges);
+        if cosine > 0.0 { area * distance * distance / cosine } else { 0.0 }
+    }
+
     /// A point of the light; nothing where its front is not seen from `point`.
     pub(super) fn sample(&self, point: DVec3, u: DVec2) -> Option<LightSample> {
         let position = square_to_triangle(u, self.corner, self.edges);
@@ -46,6 +64,7 @@ impl TriangleLight {
             position,
             direction: way / distance,
             weight: self.emitted / pdf,
+            pdf,
             clear: clear_share(point, position, self.normal),
         })
     }

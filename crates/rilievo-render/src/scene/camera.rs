@@ -109,6 +109,11 @@ impl Camera {
         self.parts.resolution
     }
 
+    /// The angle between rays through neighbouring pixels in the middle of the image, radian.
+    pub(crate) fn pixel_angle(&self) -> f64 {
+        self.step_x.length()
+    }
+
     /// The ray through a point of the image in continuous pixel coordinates: (0, 0) is the top
     /// left corner, the centre of pixel (i, j) is (i + 0.5, j + 0.5).
     ///

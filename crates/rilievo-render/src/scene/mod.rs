@@ -8,10 +8,13 @@ pub use camera::{Camera, CameraError, CameraParts};
 pub use material::{Material, MaterialError, Reflectance};
 pub use settings::{RenderSettings, SettingsError};
 
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
 use rilievo::surface::World;
 
 use crate::colour::{Rgb, is_radiance};
-use crate::light::Light;
+use crate::light::{Environment, Light, Lighting};
 
 /// What a scene is made of.
 #[derive(Debug)]
@@ -24,8 +27,8 @@ pub struct SceneParts {
     pub material_of: Vec<u32>,
     /// The camera.
     pub camera: Camera,
-    /// Radiance seen where a ray meets nothing. It lights diffuse surfaces through diffuse bounces
-    /// only.
+    /// Radiance seen where a ray meets nothing, beside that of an environment. It lights diffuse
+    /// surfaces through diffuse bounces only.
     pub background: Rgb,
     /// Radiance added to every surface, times its diffuse reflectance.
     pub ambient: Rgb,
@@ -79,7 +82,13 @@ pub enum SceneError {
 #[derive(Debug)]
 pub struct Scene {
     parts: SceneParts,
+    /// Of surfaces, in their order; then lamps.
     lights: Vec<Light>,
+    /// Lights that are surfaces.
+    of_surfaces: usize,
+    environment: Option<Arc<Environment>>,
+    /// Made when it is first asked for.
+    lighting: OnceLock<Lighting>,
 }
 
 impl Scene {
@@ -107,13 +116,33 @@ impl Scene {
             }
         }
         parts.settings.check()?;
-        let lights = names
+        let lights: Vec<_> = names
             .flat_map(|(index, &m)| {
                 let emitted = parts.materials[m as usize].emitted;
                 Light::of_surface(&surfaces[index], index as u32, emitted)
             })
             .collect();
-        Ok(Self { parts, lights })
+        let of_surfaces = lights.len();
+        let lighting = OnceLock::new();
+        Ok(Self { parts, lights, of_surfaces, environment: None, lighting })
+    }
+
+    /// The same scene with these lights that are no surfaces beside those that are. Of others, quads
+    /// and spheres and triangles, only the surfaces of the world count.
+    #[must_use]
+    pub fn with_lamps(mut self, lamps: Vec<Light>) -> Self {
+        self.lights.truncate(self.of_surfaces);
+        self.lights.extend(lamps.into_iter().filter(|lamp| lamp.surface().is_none()));
+        self.lighting = OnceLock::new();
+        self
+    }
+
+    /// The same scene with light from all around.
+    #[must_use]
+    pub fn with_environment(mut self, environment: Environment) -> Self {
+        self.environment = Some(Arc::new(environment));
+        self.lighting = OnceLock::new();
+        self
     }
 
     /// The same scene under other settings.
@@ -151,14 +180,40 @@ impl Scene {
         &self.parts.materials[self.parts.material_of[surface as usize] as usize]
     }
 
-    /// The lights that are sampled, in the order of their surfaces.
+    /// The lights that the paper's integrator samples, in the order of their surfaces; lamps last.
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
     /// Whether a surface is among the lights that are sampled.
     pub(crate) fn is_light(&self, surface: u32) -> bool {
-        self.lights.binary_search_by_key(&surface, Light::surface).is_ok()
+        let lights = &self.lights[..self.of_surfaces];
+        lights.binary_search_by_key(&Some(surface), Light::surface).is_ok()
+    }
+
+    /// The light from all around, if there is any.
+    pub fn environment(&self) -> Option<&Environment> {
+        self.environment.as_deref()
+    }
+
+    /// All light, as the path integrator samples it.
+    pub(crate) fn lighting(&self) -> &Lighting {
+        self.lighting.get_or_init(|| {
+            let emitted = |surface| self.material(surface).emitted;
+            let lamps = &self.lights[self.of_surfaces..];
+            Lighting::new(self.world(), emitted, lamps, self.environment.clone())
+        })
+    }
+
+    /// Radiance that comes against `direction`, any length but zero, where nothing is met, without
+    /// suns.
+    pub(crate) fn sky(&self, direction: DVec3) -> Rgb {
+        match &self.environment {
+            None => self.parts.background,
+            Some(environment) => {
+                self.parts.background + environment.radiance(direction.normalize())
+            }
+        }
     }
 
     /// The camera.

@@ -20,6 +20,9 @@ pub struct RenderSettings {
     pub diffuse_samples: u32,
     /// Bounces after the first hit, at most [`Self::MAX_DEPTH`]; 0 is emission and direct light.
     pub max_depth: u32,
+    /// Largest channel of the radiance that one path of the path integrator may bring from beyond its
+    /// direct light; 0 leaves it alone. A number above 0 takes bright specks away, and energy with them.
+    pub clamp: f64,
     /// Seed of every random choice.
     pub seed: u64,
     /// Where the numbers of paths come from; the distributed integrator always takes its strata.
@@ -37,6 +40,7 @@ impl Default for RenderSettings {
             glossy_samples: 4,
             diffuse_samples: 0,
             max_depth: 5,
+            clamp: 0.0,
             seed: 0,
             sampler: SamplerKind::Sobol,
             filter: Filter::BOX,

@@ -8,7 +8,7 @@ use rilievo_render::{Material, RenderOptions, RenderSettings, Rgb, Scene, render
 
 /// Irradiance at the origin, facing +z, from a rectangle of radiance 1 at `height` above it that
 /// spans `x` and `y`: the sum over its corners of the textbook corner formula.
-fn rectangle_irradiance(x: [f64; 2], y: [f64; 2], height: f64) -> f64 {
+pub fn rectangle_irradiance(x: [f64; 2], y: [f64; 2], height: f64) -> f64 {
     let corner = |x: f64, y: f64| {
         let (a, b) = (x / height, y / height);
         let half = |a: f64, b: f64| a / a.hypot(1.0) * (b / a.hypot(1.0)).atan();
@@ -18,7 +18,7 @@ fn rectangle_irradiance(x: [f64; 2], y: [f64; 2], height: f64) -> f64 {
 }
 
 /// A quad in the plane `z`, its front downwards.
-fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> [DVec3; 3] {
+pub fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> [DVec3; 3] {
     [
         DVec3::new(x[0], y[0], z),
         DVec3::new(0.0, y[1] - y[0], 0.0),
@@ -27,7 +27,7 @@ fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> [DVec3; 3] {
 }
 
 /// The floor z = 0, |x|, |y| <= 50, its front upwards.
-const FLOOR: [DVec3; 3] =
+pub const FLOOR: [DVec3; 3] =
     [DVec3::new(-50.0, -50.0, 0.0), DVec3::new(100.0, 0.0, 0.0), DVec3::new(0.0, 100.0, 0.0)];
 
 /// Shadow samples of one ray per pixel, nothing else.

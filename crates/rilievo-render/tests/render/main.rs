@@ -4,6 +4,7 @@ mod closed_forms;
 mod determinism;
 mod interreflection;
 mod layers;
+mod paths;
 mod relief;
 mod scene;
 mod scenes;

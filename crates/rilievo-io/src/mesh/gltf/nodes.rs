@@ -196,11 +196,14 @@ pub(super) fn light(
         "point" => LightKind::Point { position },
         "directional" => LightKind::Sun { direction },
         "spot" => {
-            let outer = match json.get("spot") {
-                Some(spot) => spot.number_or("outerConeAngle", std::f64::consts::FRAC_PI_4)?,
-                None => std::f64::consts::FRAC_PI_4,
+            let (inner, outer) = match json.get("spot") {
+                Some(spot) => {
+                    let outer = spot.number_or("outerConeAngle", std::f64::consts::FRAC_PI_4)?;
+                    (spot.number_or("innerConeAngle", 0.0)?, outer)
+                }
+                None => (0.0, std::f64::consts::FRAC_PI_4),
             };
-            LightKind::Spot { position, direction, outer }
+            LightKind::Spot { position, direction, inner, outer }
         }
         other => {
             return Err(json.fault("type", format!("{other:?}"), "point, directional, spot"));

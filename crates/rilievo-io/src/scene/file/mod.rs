@@ -3,6 +3,7 @@
 //! Nothing is opened and no name is looked up here; see [`super::resolve`].
 
 mod instances;
+mod light;
 mod map;
 mod material;
 mod shape;
@@ -12,6 +13,7 @@ mod view;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rilievo_render::light::Light;
 use toml::de::DeTable;
 
 use super::syntax::{Document, Located, Table};
@@ -19,6 +21,7 @@ use crate::error::{Error, Result};
 use crate::limits::Limits;
 
 pub(super) use instances::InstanceEntry;
+pub(super) use light::EnvironmentEntry;
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
 pub(super) use shape::{
@@ -37,6 +40,8 @@ pub struct SceneFile {
     pub(super) maps: Vec<(Located<String>, MapEntry)>,
     pub(super) materials: Vec<(Located<String>, MaterialEntry)>,
     pub(super) shapes: Vec<ShapeEntry>,
+    pub(super) lights: Vec<Light>,
+    pub(super) environment: Option<EnvironmentEntry>,
 }
 
 impl SceneFile {
@@ -67,7 +72,8 @@ impl SceneFile {
         let root = Table::root(doc, &parsed);
         let (camera, render) = (root.require("camera")?, root.get("render"));
         let (maps, materials) = (root.get("maps"), root.get("materials"));
-        let shapes = root.get("shapes");
+        let (shapes, lights) = (root.get("shapes"), root.get("lights"));
+        let environment = root.get("environment");
         root.finish()?;
 
         let camera = CameraEntry::read(&camera.table()?)?;
@@ -83,6 +89,8 @@ impl SceneFile {
             maps: Vec::new(),
             materials: Vec::new(),
             shapes: Vec::new(),
+            lights: Vec::new(),
+            environment: None,
         };
         if let Some(value) = maps {
             for (name, value) in value.table()?.all() {
@@ -99,6 +107,14 @@ impl SceneFile {
                 file.shapes.push(ShapeEntry::read(&value.table()?)?);
             }
         }
+        if let Some(value) = lights {
+            for value in value.items("an array of tables: [[lights]]")? {
+                file.lights.push(light::light(&value.table()?)?);
+            }
+        }
+        if let Some(value) = environment {
+            file.environment = Some(EnvironmentEntry::read(&value.table()?)?);
+        }
         Ok(file)
     }
 
@@ -114,7 +130,7 @@ impl SceneFile {
         &self.path
     }
 
-    /// The files the scene names, in the order of maps, materials and shapes.
+    /// The files the scene names, in the order of maps, materials, shapes and environment.
     pub fn references(&self) -> Vec<PathBuf> {
         let maps = self.maps.iter().filter_map(|(_, map)| match &map.source {
             MapSource::File { file, .. } => Some(file),
@@ -135,6 +151,7 @@ impl SceneFile {
                 _ => None,
             });
         let shapes = meshes.chain(normals);
+        let shapes = shapes.chain(self.environment.as_ref().map(|e| &e.file));
         maps.chain(baked).chain(textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
     }
 

@@ -96,6 +96,9 @@ impl RenderEntry {
                 *count = value.integer(range)?;
             }
         }
+        if let Some(value) = table.get("clamp") {
+            settings.clamp = value.number_in(0.0.., "a number of at least 0")?;
+        }
         if let Some(value) = table.get("seed") {
             // TOML's own integers end at 2^63 - 1.
             settings.seed = value.integer(0..=i64::MAX as u64)?;

@@ -1,0 +1,194 @@
+//! The path tracer: one path a camera ray, \[Kajiya1986\] with next event estimation.
+//!
+//! At every hit one point of a light is sampled and one direction of the material. Both can find the
+//! same light, so each is weighed by the power heuristic of the two densities \[Veach1995\]: the
+//! weights of one direction add up to 1, and what only one of them can find (a light without extent, a
+//! mirror, an emitter that is not sampled) counts in full. The estimate has the right mean whatever
+//! the lights and the materials.
+//!
+//! `max_depth` bounds the bounces that reflect light other than that of emitters: 0 is emission and
+//! direct light. All ways of direct light count, so with 0 an emitter still shows in a mirror; a path
+//! has at most `max_depth + 2` edges. From the third bounce on a path is cut short by Russian
+//! roulette, with a probability of going on that follows what it can still bring.
+//!
+//! `ambient` adds to no path: it stands for the light that the paper's integrator leaves out.
+//!
+//! Rays start by [`Hit::spawn`], on the side of the geometric normal; the two normals are the
+//! material's business ([`Bsdf`]). Nothing recurses and nothing is allocated.
+
+use glam::DVec3;
+use rilievo::{Hit, Ray};
+
+use super::RayCounts;
+use crate::bsdf::Bsdf;
+use crate::colour::Rgb;
+use crate::light::{Lighting, Receiver};
+use crate::sampler::PathSampler;
+use crate::scene::Scene;
+
+/// Bounces before Russian roulette begins.
+const SAFE: u32 = 2;
+
+/// Least probability with which roulette ends a path. Without it a white furnace never ends.
+const LEAST_END: f64 = 0.05;
+
+/// Traces paths of one scene.
+pub(super) struct PathTracer<'a> {
+    scene: &'a Scene,
+    lighting: &'a Lighting,
+    /// Width of a camera ray's share of the picture, scene units per unit of distance.
+    spread: f64,
+    max_depth: u32,
+    /// Largest channel of what a bounce may bring; infinite where nothing is clamped.
+    clamp: f64,
+}
+
+/// How the ray in hand was drawn.
+#[derive(Clone, Copy)]
+struct Drawn {
+    at: Receiver,
+    /// Density of its direction, per steradian.
+    pdf: f64,
+}
+
+impl<'a> PathTracer<'a> {
+    /// For `scene`; `spread` is the angle between camera rays of neighbouring samples, radian.
+    pub(super) fn new(scene: &'a Scene, spread: f64) -> Self {
+        let settings = scene.settings();
+        let clamp = if settings.clamp > 0.0 { settings.clamp } else { f64::INFINITY };
+        let max_depth = settings.max_depth;
+        Self { scene, lighting: scene.lighting(), spread, max_depth, clamp }
+    }
+
+    /// An estimate of the radiance that comes against a camera ray, given what it meets.
+    pub(super) fn radiance(
+        &self,
+        ray: &Ray,
+        hit: Option<&Hit>,
+        sampler: &mut PathSampler,
+        rays: &mut RayCounts,
+    ) -> Rgb {
+        let world = self.scene.world();
+        let mut radiance = Rgb::ZERO;
+        let mut throughput = Rgb::ONE;
+        let mut direction = ray.direction.normalize();
+        let mut distance = ray.direction.length() * hit.map_or(0.0, |hit| hit.t);
+        let mut met = hit.copied();
+        // None where nothing but the ray itself could have found what it meets.
+        let mut drawn: Option<Drawn> = None;
+        for depth in 0.. {
+            let Some(hit) = &met else {
+                radiance += self.held(throughput * self.escaped(direction, drawn), depth);
+                break;
+            };
+            let material = self.scene.material(hit.surface);
+            if hit.front && material.emits() {
+                let weight = drawn.map_or(1.0, |drawn| {
+                    let sampled = self.lighting.pdf_of_hit(world, &drawn.at, direction, hit);
+                    power(drawn.pdf, sampled)
+                });
+                radiance += self.held(throughput * material.emitted * weight, depth);
+            }
+            if depth > self.max_depth {
+                break;
+            }
+            let view = -direction;
+            let bsdf = Bsdf::new(material, hit, view, self.spread * distance);
+            let facing = if hit.front { hit.geometric_normal } else { -hit.geometric_normal };
+            let both_sides = bsdf.transmits();
+            let at = Receiver { position: hit.position, normal: Some(facing), both_sides };
+            // Always drawn, so that every bounce has dimensions of its own.
+            let (choice, point) = (sampler.one(), sampler.two());
+            let (lobe, place) = (sampler.one(), sampler.two());
+            let survival = sampler.one();
+            if !bsdf.is_delta()
+                && let Some((sample, surface)) = self.lighting.sample(world, &at, choice, point)
+                // A flat quad or a sphere cannot light itself.
+                && surface != Some(hit.surface)
+            {
+                let (value, pdf) = bsdf.evaluate(sample.direction);
+                if value != Rgb::ZERO && self.is_free(hit, &sample, surface, rays) {
+                    let weight = if sample.pdf > 0.0 { power(sample.pdf, pdf) } else { 1.0 };
+                    let brought = throughput * value * sample.weight * weight;
+                    radiance += self.held(brought, depth + 1);
+                }
+            }
+            let Some(scattered) = bsdf.sample(lobe, place) else { break };
+            throughput *= scattered.weight;
+            if depth >= SAFE {
+                let go_on = throughput.max_element().min(1.0 - LEAST_END);
+                if survival >= go_on {
+                    break;
+                }
+                throughput /= go_on;
+            }
+            drawn = (!scattered.delta).then_some(Drawn { at, pdf: scattered.pdf });
+            direction = scattered.direction;
+            match scattered.roughness < 1.0 {
+                true => rays.reflection += 1,
+                false => rays.diffuse += 1,
+            }
+            met = world.closest(&hit.spawn(direction), &mut ());
+            distance += met.as_ref().map_or(0.0, |hit| hit.t);
+        }
+        radiance
+    }
+
+    /// Whether nothing stands before a point of a light.
+    #[inline]
+    fn is_free(
+        &self,
+        hit: &Hit,
+        sample: &crate::light::LightSample,
+        surface: Option<u32>,
+        rays: &mut RayCounts,
+    ) -> bool {
+        rays.shadow += 1;
+        let ray = Ray { t_max: sample.clear, ..hit.spawn(sample.position - hit.position) };
+        let world = self.scene.world();
+        !match surface {
+            Some(surface) => world.occluded_before(&ray, surface, &mut ()),
+            None => world.occluded(&ray, &mut ()),
+        }
+    }
+
+    /// Radiance that comes against a ray that meets nothing.
+    fn escaped(&self, direction: DVec3, drawn: Option<Drawn>) -> Rgb {
+        let weight = |sampled| drawn.map_or(1.0, |drawn| power(drawn.pdf, sampled));
+        self.scene.background() + self.lighting.escaped(direction, weight)
+    }
+
+    /// What a bounce brings, no more than is allowed.
+    #[inline]
+    fn held(&self, brought: Rgb, bounces: u32) -> Rgb {
+        let largest = brought.max_element();
+        // Emission and direct light are never held.
+        if bounces <= 1 || largest <= self.clamp {
+            brought
+        } else {
+            brought * (self.clamp / largest)
+        }
+    }
+}
+
+/// The power heuristic: the weight of a sample of density `own` where another technique finds it with
+/// density `other`.
+#[inline]
+fn power(own: f64, other: f64) -> f64 {
+    // As a ratio, so that squares of large densities do not overflow.
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_of_two_techniques_add_up() {
+        for (a, b) in [(1.0, 3.0), (1e-200, 1e200), (1e200, 1e180), (2.0, 0.0)] {
+            assert!((power(a, b) + power(b, a) - 1.0).abs() < 1e-12 || b == 0.0);
+        }
+        assert_eq!(power(2.0, 0.0), 1.0);
+    }
+}
