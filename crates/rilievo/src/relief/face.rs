@@ -13,9 +13,10 @@ use crate::hit::Hit;
 use crate::map::DistanceKind;
 use crate::probe::{Counters, Probe};
 use crate::ray::{Part, Ray, Wall};
-use crate::simd::{self, Kernel, Lanes};
+use crate::simd;
 
 use super::Relief;
+use super::kernels::{FirstCrossing, FirstCrossings, IsCrossed};
 use super::method::Method;
 use super::options::{Displacement, FaceOptions};
 use super::packet::PACKET;
@@ -216,19 +217,25 @@ impl ReliefFace {
         }
     }
 
+    /// The face as its rays see it.
+    fn trace(&self) -> Trace<'_> {
+        let Self { placement, relief, options, .. } = self;
+        Trace { placement, relief, options }
+    }
+
     fn is_crossed(&self, ray: &Ray, counters: Option<&mut Counters>) -> bool {
-        let face = self;
+        let trace = self.trace();
         match counters {
-            None => simd::run(self.options.simd, IsCrossed { face, ray, probe: &mut () }),
-            Some(probe) => simd::run_portable(IsCrossed { face, ray, probe }),
+            None => simd::run(self.options.simd, IsCrossed { trace, ray, probe: &mut () }),
+            Some(probe) => simd::run_portable(IsCrossed { trace, ray, probe }),
         }
     }
 
     fn crossing(&self, ray: &Ray, counters: Option<&mut Counters>) -> Option<Crossing> {
-        let face = self;
+        let trace = self.trace();
         match counters {
-            None => simd::run(self.options.simd, FirstCrossing { face, ray, probe: &mut () }),
-            Some(probe) => simd::run_portable(FirstCrossing { face, ray, probe }),
+            None => simd::run(self.options.simd, FirstCrossing { trace, ray, probe: &mut () }),
+            Some(probe) => simd::run_portable(FirstCrossing { trace, ray, probe }),
         }
     }
 
@@ -239,12 +246,12 @@ impl ReliefFace {
         found: &mut [Option<Crossing>],
         counters: Option<&mut Counters>,
     ) {
-        let face = self;
+        let trace = self.trace();
         match counters {
             None => {
-                simd::run(self.options.simd, FirstCrossings { face, rays, found, probe: &mut () });
+                simd::run(self.options.simd, FirstCrossings { trace, rays, found, probe: &mut () });
             }
-            Some(probe) => simd::run_portable(FirstCrossings { face, rays, found, probe }),
+            Some(probe) => simd::run_portable(FirstCrossings { trace, rays, found, probe }),
         }
     }
 
@@ -292,63 +299,6 @@ impl ReliefFace {
         };
         let normal = along.cross(self.placement.normal).normalize();
         if (normal.dot(direction) < 0.0) == front { normal } else { -normal }
-    }
-}
-
-/// One ray against one face.
-struct FirstCrossing<'a, P> {
-    face: &'a ReliefFace,
-    ray: &'a Ray,
-    probe: &'a mut P,
-}
-
-impl<P: Probe> Kernel for FirstCrossing<'_, P> {
-    type Output = Option<Crossing>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Crossing> {
-        let Self { face, ray, probe } = self;
-        let ReliefFace { placement, relief, options, .. } = face;
-        Trace { placement, relief, options }.first_crossing::<L, P>(ray, probe)
-    }
-}
-
-/// At most [`PACKET`] rays against one face.
-struct FirstCrossings<'a, P> {
-    face: &'a ReliefFace,
-    rays: &'a [Ray],
-    found: &'a mut [Option<Crossing>],
-    probe: &'a mut P,
-}
-
-impl<P: Probe> Kernel for FirstCrossings<'_, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { face, rays, found, probe } = self;
-        let ReliefFace { placement, relief, options, .. } = face;
-        Trace { placement, relief, options }.first_crossings::<L, P>(rays, found, probe);
-    }
-}
-
-/// Whether a face stops a ray, for exact methods.
-struct IsCrossed<'a, P> {
-    face: &'a ReliefFace,
-    ray: &'a Ray,
-    probe: &'a mut P,
-}
-
-impl<P: Probe> Kernel for IsCrossed<'_, P> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> bool {
-        let Self { face, ray, probe } = self;
-        let ReliefFace { placement, relief, options, .. } = face;
-        let Some(map_ray) = placement.map_ray(ray, options.closed) else { return false };
-        let trace = Trace { placement, relief, options };
-        trace.is_crossed::<L, P>((&map_ray, ray.t_max), probe)
     }
 }
 

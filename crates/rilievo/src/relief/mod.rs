@@ -26,6 +26,7 @@ mod approximate;
 mod cell_walk;
 mod distance_walk;
 mod face;
+mod kernels;
 mod leaf;
 mod map_ray;
 mod mesh;

@@ -9,6 +9,7 @@ use super::Relief;
 use super::approximate::{ApproximateHit, Segment};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
+use super::kernels::{FirstCrossing, Tiles};
 use super::leaf::{Crossings, LeafHit};
 use super::map_ray::{ExactRay, MapRay, Window, larger, smaller};
 use super::method::Method;
@@ -166,7 +167,7 @@ impl Trace<'_> {
         }
         for (k, (ray, found)) in rays.iter().zip(found).enumerate() {
             if set >> k & 1 == 1 {
-                *found = self.first_crossing::<L, P>(ray, probe);
+                *found = L::call(FirstCrossing { trace: *self, ray, probe: &mut *probe });
             }
         }
     }
@@ -255,7 +256,7 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
                 let maps = (heights, face.relief.pyramid());
                 walk_pyramid::<L, P>(maps, ray, &frame, face.admitted(), probe).map(Met::Surface)
             }
-            _ => walk_tiles::<L, P>(face, ray, [start, stop], probe),
+            _ => L::call(Tiles { face, ray, part: [start, stop], probe }),
         };
         if met.is_some() {
             return met;
@@ -266,7 +267,7 @@ fn first_met<L: Lanes, P: Probe>(face: &Trace<'_>, ray: &MapRay, probe: &mut P) 
 
 /// Walks tile after tile between two parameters.
 #[inline(always)]
-fn walk_tiles<L: Lanes, P: Probe>(
+pub(super) fn walk_tiles<L: Lanes, P: Probe>(
     face: &Trace<'_>,
     ray: &MapRay,
     [start, stop]: [f32; 2],

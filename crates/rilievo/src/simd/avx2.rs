@@ -21,6 +21,7 @@ use super::{Kernel, Lanes, Mirror, WIDTH};
 pub(crate) struct Avx2([__m256; 2]);
 
 /// Compiles a kernel with this level's instructions.
+#[inline(never)]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn enter<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Avx2>()
@@ -45,6 +46,12 @@ macro_rules! halves {
 // arrays of the full width.
 impl Lanes for Avx2 {
     type Mask = [__m256; 2];
+
+    #[inline(always)]
+    fn call<K: Kernel>(kernel: K) -> K::Output {
+        // SAFETY: see above.
+        unsafe { enter(kernel) }
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {

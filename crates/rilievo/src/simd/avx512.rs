@@ -21,6 +21,7 @@ use super::{Kernel, Lanes, Mirror, WIDTH};
 pub(crate) struct Avx512(__m512);
 
 /// Compiles a kernel with this level's instructions.
+#[inline(never)]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn enter<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Avx512>()
@@ -31,6 +32,12 @@ pub(super) fn enter<K: Kernel>(kernel: K) -> K::Output {
 // arrays of the full width.
 impl Lanes for Avx512 {
     type Mask = __mmask16;
+
+    #[inline(always)]
+    fn call<K: Kernel>(kernel: K) -> K::Output {
+        // SAFETY: see above.
+        unsafe { enter(kernel) }
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {

@@ -68,6 +68,9 @@ pub(crate) trait Lanes: Copy {
     /// Sixteen truth values.
     type Mask: Copy;
 
+    /// Runs a kernel at this level as a call of its own: what several kernels do is compiled once.
+    fn call<K: Kernel>(kernel: K) -> K::Output;
+
     /// The same number in all lanes.
     fn splat(x: f32) -> Self;
     /// Lane `k` from element `k`.

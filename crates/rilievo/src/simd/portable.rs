@@ -1,7 +1,7 @@
 //! Sixteen lanes in plain arrays, four groups of four: what any compiler turns into its own
 //! vectors.
 
-use super::{Lanes, Mirror, WIDTH};
+use super::{Kernel, Lanes, Mirror, WIDTH};
 
 /// Lanes `4 y + x` as `[y][x]`.
 #[derive(Clone, Copy)]
@@ -36,6 +36,11 @@ fn full(set: bool) -> u32 {
 
 impl Lanes for Portable {
     type Mask = Mask;
+
+    #[inline(never)]
+    fn call<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Self>()
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
