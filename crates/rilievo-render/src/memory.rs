@@ -10,7 +10,7 @@ use crate::film::Film;
 use crate::integrator::Integrator;
 use crate::light::Environment;
 use crate::render::{RenderOptions, TILE, thread_count};
-use crate::scene::{Reflectance, Scene};
+use crate::scene::Scene;
 
 /// Bytes held while a scene is rendered, by kind. What surfaces share is counted once. The program
 /// itself and what reading files needs come on top.
@@ -48,10 +48,10 @@ impl MemoryUse {
             all.add(surface, &mut first);
         }
         for material in scene.materials() {
-            if let Reflectance::Textured(texture) = &material.diffuse
-                && first(Arc::as_ptr(&texture.image).cast())
-            {
-                all.textures += texture.image.bytes();
+            for texture in material.textures() {
+                if first(Arc::as_ptr(&texture.image).cast()) {
+                    all.textures += texture.image.bytes();
+                }
             }
         }
         all.textures += scene.environment().map_or(0, Environment::bytes);

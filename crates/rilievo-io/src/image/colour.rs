@@ -29,8 +29,8 @@ fn read_tiles(path: &Path, tiles: &Udim, limits: &Limits) -> Result<ColourImage>
     let read = |file: &Path| texels(Source::open(file, limits)?);
     let (size, first) = read(tiles.first())?;
     let texel = match first {
-        Texels::Srgb8(_) => 3,
-        Texels::Srgb16(_) => 6,
+        Texels::Srgb8(_) | Texels::Linear8(_) => 3,
+        Texels::Srgb16(_) | Texels::Linear16(_) => 6,
         Texels::Linear(_) => 12,
     };
     let sides = [tiles.columns, tiles.rows, size[0], size[1], texel].map(u64::from);

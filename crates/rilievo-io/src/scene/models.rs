@@ -165,7 +165,13 @@ impl Loader<'_> {
             None => Reflectance::Uniform(from.colour),
         };
         let reflective = if metal { from.colour } else { from.reflective };
-        Material { diffuse, reflective, roughness: from.roughness, emitted: from.emitted }
+        Material {
+            diffuse,
+            reflective,
+            roughness: from.roughness,
+            emitted: from.emitted,
+            ..Material::default()
+        }
     }
 
     fn colour_image(&mut self, from: &ImageUse) -> Option<Texture> {
@@ -184,7 +190,9 @@ impl Loader<'_> {
             }
         };
         match image {
-            Ok(image) => Some(Texture { image, tile: from.tile, shift: from.shift }),
+            Ok(image) => {
+                Some(Texture { tile: from.tile, shift: from.shift, ..Texture::new(image) })
+            }
             Err(e) => {
                 self.notes.push(format!("image not used: {e}"));
                 None

@@ -377,10 +377,14 @@ impl<'a> Loader<'a> {
                         image
                     }
                 };
-                Reflectance::Textured(Texture { image, tile: texture.tile, shift: texture.shift })
+                Reflectance::Textured(Texture {
+                    tile: texture.tile,
+                    shift: texture.shift,
+                    ..Texture::new(image)
+                })
             }
         };
         let MaterialEntry { reflective, roughness, emitted, .. } = *entry;
-        Ok(Material { diffuse, reflective, roughness, emitted })
+        Ok(Material { diffuse, reflective, roughness, emitted, ..Material::default() })
     }
 }

@@ -54,7 +54,7 @@ impl Frame {
     pub(super) fn side(&self, light: DVec3) -> Side {
         let light = self.local(light);
         let height = light.dot(self.geometric);
-        Side { light, image: light - 2.0 * height * self.geometric, height }
+        Side { light, image: light - 2.0 * height * self.geometric, height, tilt: self.geometric.z }
     }
 
     /// The world direction of `light` on the side where it belongs, and whether it was mirrored to
@@ -67,6 +67,15 @@ impl Frame {
     }
 }
 
+/// The shading normal of `hit`, turned by `normal` of a map in the tangent space of the shading
+/// normal: x lies along u, y along v. So a map adds to what is displaced.
+pub(super) fn detailed(hit: &Hit, normal: DVec3) -> DVec3 {
+    let z = hit.shading_normal;
+    let along = |tangent: DVec3| (tangent - tangent.dot(z) * z).try_normalize();
+    let [Some(x), Some(y)] = hit.tangents.map(along) else { return z };
+    (normal.x * x + normal.y * y + normal.z * z).try_normalize().unwrap_or(z)
+}
+
 /// A direction in local coordinates, by both normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
@@ -75,12 +84,32 @@ pub(super) struct Side {
     image: DVec3,
     /// Cosine with the geometric normal: above 0 on the viewer's side.
     height: f64,
+    /// Cosine between the normals.
+    tilt: f64,
 }
 
 impl Side {
     /// Whether light from here is reflected to the viewer, rather than let through.
     pub(super) fn is_reflection(&self) -> bool {
         self.height > 0.0
+    }
+
+    /// The factor that softens the terminator of a diffuse lobe where the normals differ: 1 as far as
+    /// the plane of the surface is no nearer than that of the shading normal, then down to 0 at the
+    /// plane, smoothly \[Chiang2019\]. Without it light ends at the edges of facets.
+    #[inline]
+    pub(super) fn softened(&self) -> f64 {
+        if self.tilt <= 0.0 {
+            return 1.0;
+        }
+        let ratio = self.height.abs() / (self.light.z.abs() * self.tilt);
+        if ratio < 1.0 { ratio * (1.0 + ratio * (1.0 - ratio)) } else { 1.0 }
+    }
+
+    /// The directions that a folding lobe sends here.
+    #[inline]
+    pub(super) fn both(&self) -> [DVec3; 2] {
+        [self.light, self.image]
     }
 
     /// The sum of `density` over all directions that a folding lobe sends here.

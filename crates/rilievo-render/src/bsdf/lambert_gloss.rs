@@ -9,7 +9,6 @@
 use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, DVec3};
-use rilievo::Hit;
 
 use super::Drawn;
 use super::frame::Side;
@@ -17,6 +16,7 @@ use super::microfacet::reflected_pdf;
 use crate::colour::Rgb;
 use crate::sampler::warp;
 use crate::scene::Material;
+use crate::texture::Footprint;
 
 /// The numbers of the paper's material.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +30,8 @@ pub(super) struct LambertGloss {
 }
 
 impl LambertGloss {
-    pub(super) fn new(material: &Material, hit: &Hit) -> Self {
-        let diffuse = material.diffuse.at(hit.uv);
+    pub(super) fn new(material: &Material, at: &Footprint) -> Self {
+        let diffuse = material.diffuse.mean(at);
         let reflective = material.reflective;
         let (dull, bright) = (diffuse.max_element(), reflective.max_element());
         let share = if bright > 0.0 { bright / (dull + bright) } else { 0.0 };

@@ -94,7 +94,7 @@ impl Distributed<'_> {
         let facing = Facing::of(hit);
         let mut radiance = Rgb::ZERO;
         if hit.front && material.emits() && !(path.lit && self.scene.is_light(hit.surface)) {
-            radiance = material.emitted;
+            radiance = material.emitted_at(hit.uv);
         }
         let diffuse = material.diffuse.at(hit.uv);
         let split = self.split(material, diffuse, path);

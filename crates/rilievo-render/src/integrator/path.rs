@@ -87,7 +87,7 @@ impl<'a> PathTracer<'a> {
                     let sampled = self.lighting.pdf_of_hit(world, &drawn.at, direction, hit);
                     power(drawn.pdf, sampled)
                 });
-                radiance += self.held(throughput * material.emitted * weight, depth);
+                radiance += self.held(throughput * material.emitted_at(hit.uv) * weight, depth);
             }
             if depth > self.max_depth {
                 break;

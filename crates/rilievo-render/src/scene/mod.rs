@@ -2,10 +2,12 @@
 
 pub mod camera;
 pub mod material;
+pub mod model;
 pub mod settings;
 
 pub use camera::{Camera, CameraError, CameraParts};
 pub use material::{Material, MaterialError, Reflectance};
+pub use model::{Conductor, Diffuse, Glass, Metal, Mix, Model, Principled, ThinGlass};
 pub use settings::{RenderSettings, SettingsError};
 
 use std::sync::{Arc, OnceLock};
@@ -118,7 +120,7 @@ impl Scene {
         parts.settings.check()?;
         let lights: Vec<_> = names
             .flat_map(|(index, &m)| {
-                let emitted = parts.materials[m as usize].emitted;
+                let emitted = parts.materials[m as usize].even_emission();
                 Light::of_surface(&surfaces[index], index as u32, emitted)
             })
             .collect();
@@ -199,7 +201,7 @@ impl Scene {
     /// All light, as the path integrator samples it.
     pub(crate) fn lighting(&self) -> &Lighting {
         self.lighting.get_or_init(|| {
-            let emitted = |surface| self.material(surface).emitted;
+            let emitted = |surface| self.material(surface).even_emission();
             let lamps = &self.lights[self.of_surfaces..];
             Lighting::new(self.world(), emitted, lamps, self.environment.clone())
         })
