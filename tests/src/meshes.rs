@@ -1,10 +1,9 @@
 //! Base meshes for the suites, with uv and normals.
 
-use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DVec2, DVec3};
-use rilievo::mesh::{Mesh, MeshData, Triangle};
+use rilievo::mesh::{Mesh, MeshData, Triangle, solids};
 
 use crate::random::Random;
 
@@ -94,28 +93,9 @@ impl Base {
 /// The octahedron cut in four so many times, on the unit sphere, turned a little.
 fn icosphere(levels: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let turn = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
-    let mut positions: Vec<DVec3> =
-        [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|&a| [turn * a, turn * -a]).collect();
-    let mut triangles = Vec::new();
-    for (x, y, z) in (0..8).map(|i| (i & 1, i >> 1 & 1, i >> 2)) {
-        let (a, b, c) = (x, 2 + y, 4 + z);
-        triangles.push(if (x + y + z) % 2 == 0 { [a, b, c] } else { [a, c, b] });
-    }
-    for _ in 0..levels {
-        let mut middles = HashMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                positions.push((positions[a as usize] + positions[b as usize]).normalize());
-                positions.len() as u32 - 1
-            })
-        };
-        let cut = |[a, b, c]: [u32; 3]| {
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        };
-        triangles = triangles.into_iter().flat_map(cut).collect();
-    }
-    (positions, triangles)
+    let MeshData { positions, triangles, .. } = solids::subdivided_sphere(levels);
+    let positions = positions.into_iter().map(|p| turn * p).collect();
+    (positions, triangles.iter().map(|triangle| triangle.positions).collect())
 }
 
 /// A mesh whose triangles have uv of their own; normals are the positions'.

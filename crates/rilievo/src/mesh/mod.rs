@@ -13,8 +13,7 @@ pub(crate) mod crossing;
 mod data;
 pub(crate) mod departure;
 mod smooth;
-#[cfg(test)]
-pub(crate) mod solids;
+pub mod solids;
 pub(crate) mod triangle;
 
 pub use data::{COORDINATE_LIMIT, Mesh, MeshData, MeshError, Triangle};

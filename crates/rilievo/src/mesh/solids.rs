@@ -1,4 +1,5 @@
-//! Closed meshes for tests.
+//! Closed solids to begin with: bases for displacement, examples and tests. Without normals and
+//! uv; the front is outside.
 
 use std::collections::HashMap;
 
@@ -10,8 +11,8 @@ fn triangle(positions: [u32; 3]) -> Triangle {
     Triangle { positions, normals: None, uvs: None }
 }
 
-/// The cube `[-1, 1]^3`, front outside; corner `i` has a bit for each positive coordinate.
-pub(crate) fn cube() -> MeshData {
+/// The cube `[-1, 1]^3`, twelve triangles; corner `i` has a bit for each positive coordinate.
+pub fn cube() -> MeshData {
     let sign = |i: u32, bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
     let positions = (0..8).map(|i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2))).collect();
     let quads =
@@ -21,8 +22,13 @@ pub(crate) fn cube() -> MeshData {
     MeshData { positions, triangles, ..MeshData::default() }
 }
 
-/// The unit octahedron with each triangle cut in four `levels` times; vertices are on the sphere.
-pub(crate) fn subdivided_sphere(levels: u32) -> MeshData {
+/// The unit octahedron with each triangle cut in four `levels` times, `8 4^levels` triangles; vertices
+/// are on the unit sphere.
+///
+/// # Panics
+/// If `levels` is above 12: some hundred million triangles.
+pub fn subdivided_sphere(levels: u32) -> MeshData {
+    assert!(levels <= 12, "at most 12 levels, not {levels}");
     let mut positions: Vec<DVec3> =
         [DVec3::X, DVec3::Y, DVec3::Z].iter().flat_map(|&a| [a, -a]).collect();
     let mut triangles = Vec::new();
