@@ -17,6 +17,7 @@ const SCENES: &[(&str, &str, &str)] = &[
     ("canyon", "canyon/Canyon-Height.jpg", "384x384"),
     ("moon", "moon/WAC_GLD100_E000N1800_004P.png", "384x384"),
     ("earth", "earth/etopo20_metres_f32.exr", "384x384"),
+    ("tiled_sphere", "roofing-tiles/RoofingTiles009_1K_Displacement.png", "384x384"),
     ("spot", "bark/Bark014_1K_Displacement.jpg", "384x384"),
 ];
 
