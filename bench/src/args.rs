@@ -31,6 +31,8 @@ pub enum Command {
     Walks(WalkArgs),
     /// Rays a second of one thread on displaced spheres and meshes, beside Embree.
     Solids(SolidArgs),
+    /// By how much ever finer triangles differ from displaced spheres and meshes, as a table.
+    Refinement(RefinementArgs),
     /// Nanoseconds a sample of building pyramids.
     Build(BuildArgs),
     /// Say what machine this is, as the machine.json of a recorded run.
@@ -172,6 +174,38 @@ pub struct SolidArgs {
     pub embree_config: String,
     #[command(flatten)]
     pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct RefinementArgs {
+    /// Base surfaces, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Body::ALL)]
+    pub bodies: Vec<Body>,
+    /// The map.
+    #[arg(long, value_enum, default_value = "moss")]
+    pub map: MapName,
+    /// Samples a side.
+    #[arg(long, value_name = "N", value_parser = size(), default_value_t = 256)]
+    pub size: u32,
+    /// Families of rays that look for the nearest hit, parted by commas.
+    #[arg(long, value_enum, value_delimiter = ',',
+          default_values_t = [SolidFamily::Primary, SolidFamily::Inside])]
+    pub families: Vec<SolidFamily>,
+    /// Thickness between the lowest and the highest offset, as a share of the body's size.
+    #[arg(long, value_name = "T", value_parser = depth, default_value_t = 0.03)]
+    pub thickness: f64,
+    /// Parts that the side of a texel is cut into, parted by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',',
+          value_parser = clap::value_parser!(u32).range(1..=64), default_values_t = [1, 2, 4, 8])]
+    pub densities: Vec<u32>,
+    /// Pixels a side of the image that makes the rays.
+    #[arg(long, value_name = "N", default_value_t = 256,
+          value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub side: u32,
+    /// Embree's configuration string.
+    #[cfg(feature = "embree")]
+    #[arg(long, value_name = "STRING", default_value = "threads=1")]
+    pub embree_config: String,
 }
 
 #[derive(Debug, Args)]

@@ -41,6 +41,7 @@ fn main() -> ExitCode {
         Command::Transforms(args) => transforms::run(args),
         Command::Walks(args) => walks::run(args),
         Command::Solids(args) => solids::run(args),
+        Command::Refinement(args) => solids::refinement(args),
         Command::Build(args) => builds::run(args),
         Command::Machine => runs::machine(),
         Command::Summary(args) => runs::summary(&args.run),

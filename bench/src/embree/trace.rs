@@ -86,16 +86,25 @@ fn no_hits<const N: usize>() -> ffi::HitPacket<N> {
 impl Scene {
     /// Nearest hits by `rtcIntersect1`.
     pub fn closest(&self, rays: &[Ray1], coherent: bool) -> Tally {
-        let (mut tally, mut context) = (Tally::default(), context(coherent));
+        let mut tally = Tally::default();
+        self.each_closest(rays, coherent, |t| {
+            if let Some(t) = t {
+                tally.hit(f64::from(t));
+            }
+        });
+        tally
+    }
+
+    /// Calls `see` with the parameter of each ray's nearest hit, by `rtcIntersect1`.
+    #[inline]
+    pub fn each_closest(&self, rays: &[Ray1], coherent: bool, mut see: impl FnMut(Option<f32>)) {
+        let mut context = context(coherent);
         for ray in rays {
             let mut both = ffi::RayHit { ray: ray.0, hit: NOTHING };
             // SAFETY: the scene is committed; context and ray are aligned, initialised and ours.
             unsafe { ffi::rtcIntersect1(self.as_ptr(), &raw mut context, &raw mut both) };
-            if both.hit.geom_id != INVALID_GEOMETRY_ID {
-                tally.hit(f64::from(both.ray.tfar));
-            }
+            see((both.hit.geom_id != INVALID_GEOMETRY_ID).then_some(both.ray.tfar));
         }
-        tally
     }
 
     /// Whether there are hits, by `rtcOccluded1`.

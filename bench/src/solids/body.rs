@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use rilievo::map::{CubeFace, CubeHeights, HeightMap, Layout, Tiling};
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{
-    CubeRelief, Displacement, MeshOptions, Relief, ReliefMesh, ReliefSphere, SphereOptions,
+    CubeRelief, Displacement, Edges, MeshOptions, Relief, ReliefMesh, ReliefSphere, SphereOptions,
 };
 use rilievo::surface::Surface;
 use rilievo_io::Limits;
@@ -61,8 +61,21 @@ impl Body {
     pub fn displaced(self, map: &HeightMap, thickness: f64) -> Result<Displaced, String> {
         match self {
             Self::Sphere => sphere(map, thickness),
-            Self::Torus => mesh(torus([96, 48]), map, thickness),
-            Self::Spot => mesh(spot()?, map, thickness),
+            Self::Torus => mesh(torus([96, 48]), map, thickness, Edges::Shared),
+            Self::Spot => mesh(spot()?, map, thickness, Edges::Shared),
+        }
+    }
+
+    /// The same, seams of meshes open, as in a tessellation: no body's file has normals of its own, so
+    /// nothing else differs.
+    ///
+    /// # Errors
+    /// As [`Body::displaced`].
+    pub fn without_walls(self, map: &HeightMap, thickness: f64) -> Result<Displaced, String> {
+        match self {
+            Self::Sphere => sphere(map, thickness),
+            Self::Torus => mesh(torus([96, 48]), map, thickness, Edges::AsAuthored),
+            Self::Spot => mesh(spot()?, map, thickness, Edges::AsAuthored),
         }
     }
 }
@@ -84,13 +97,18 @@ fn sphere(map: &HeightMap, thickness: f64) -> Result<Displaced, String> {
     Ok(Displaced { surface: sphere.into(), size: 1.0, bytes, base })
 }
 
-fn mesh(data: MeshData, map: &HeightMap, thickness: f64) -> Result<Displaced, String> {
+fn mesh(
+    data: MeshData,
+    map: &HeightMap,
+    thickness: f64,
+    edges: Edges,
+) -> Result<Displaced, String> {
     let relief = Arc::new(Relief::new(map.clone()));
     let low = data.positions.iter().fold(DVec3::INFINITY, |low, &p| low.min(p));
     let high = data.positions.iter().fold(DVec3::NEG_INFINITY, |high, &p| high.max(p));
     let size = (high - low).length();
     let displacement = centred(size, thickness);
-    let options = MeshOptions { displacement, ..MeshOptions::default() };
+    let options = MeshOptions { displacement, edges, ..MeshOptions::default() };
     let base = Mesh::new(data).map_err(|e| e.to_string())?;
     let mesh = ReliefMesh::new(&base, Arc::clone(&relief), options).map_err(|e| e.to_string())?;
     let bytes = mesh.bytes() + relief.bytes().1;
@@ -99,19 +117,20 @@ fn mesh(data: MeshData, map: &HeightMap, thickness: f64) -> Result<Displaced, St
 }
 
 impl Displaced {
-    /// The same surface in triangles of the size of a texel.
-    pub fn tessellate(&self) -> Triangles {
+    /// The same surface in triangles, two for each texel cut in `density` along both sides.
+    pub fn tessellate(&self, density: u32) -> Triangles {
         let mut to = Triangles::default();
         match &self.base {
             Base::Sphere(relief, displacement) => {
                 for face in CubeFace::ALL {
-                    add_face(&mut to, relief, face, displacement);
+                    add_face(&mut to, (relief, face), displacement, density);
                 }
             }
             Base::Mesh(mesh) => {
                 for triangle in 0..mesh.data().triangles.len() as u32 {
                     // As many parts as there are halves of texels under it.
                     let cuts = (2.0 * mesh.cells_under(triangle)).sqrt().ceil().max(1.0) as u32;
+                    let cuts = cuts * density;
                     to.add_triangle(cuts, |weights| mesh.point(triangle, weights));
                 }
             }
@@ -120,14 +139,29 @@ impl Displaced {
     }
 }
 
-/// One face of a cube, lattice point by lattice point.
-fn add_face(to: &mut Triangles, relief: &CubeRelief, face: CubeFace, displacement: &Displacement) {
+/// One face of a cube, each cell cut into `density` x `density`.
+fn add_face(
+    to: &mut Triangles,
+    (relief, face): (&CubeRelief, CubeFace),
+    displacement: &Displacement,
+    density: u32,
+) {
     let (cells, heights) = (relief.cells(), relief.face(face).heights());
-    let at = |k: u32| 2.0 * f64::from(k) / f64::from(cells) - 1.0;
-    to.add_grid([cells + 1; 2], |i, j| {
-        let along = face.from_frame([at(i), at(j), 1.0]).normalize();
+    let at = |x: f64| 2.0 * x / f64::from(cells) - 1.0;
+    // 1/Z is bilinear between lattice points.
+    let inverse = |i: u32, j: u32| {
         let height = f64::from(heights.raw(i, j)) * heights.unit();
-        along * (1.0 + displacement.scale * (height - displacement.zero))
+        let along = DVec3::new(at(f64::from(i)), at(f64::from(j)), 1.0);
+        along.length() / (1.0 + displacement.scale * (height - displacement.zero))
+    };
+    let side = cells * density + 1;
+    to.add_grid([side; 2], |i, j| {
+        let cell = [i, j].map(|k| (k / density).min(cells - 1));
+        let [x, y] = [0, 1].map(|k| f64::from([i, j][k]) / f64::from(density));
+        let (u, v) = (x - f64::from(cell[0]), y - f64::from(cell[1]));
+        let row = |j: u32| (1.0 - u) * inverse(cell[0], j) + u * inverse(cell[0] + 1, j);
+        let z = 1.0 / ((1.0 - v) * row(cell[1]) + v * row(cell[1] + 1));
+        face.from_frame([at(x) * z, at(y) * z, z])
     });
 }
 
@@ -180,7 +214,7 @@ mod tests {
         let map = MapName::Gaussian.load(65).unwrap();
         for body in Body::ALL {
             let displaced = body.displaced(&map, 0.02).unwrap();
-            let triangles = displaced.tessellate();
+            let triangles = displaced.tessellate(1);
             let points =
                 triangles.positions.iter().step_by(97).map(|p| DVec3::from(p.map(f64::from)));
             for point in points {

@@ -6,6 +6,7 @@
 
 mod body;
 mod rays;
+mod refinement;
 mod tessellation;
 
 use std::collections::BTreeMap;
@@ -25,6 +26,7 @@ use crate::tally::Tally;
 pub use body::Body;
 use body::Displaced;
 pub use rays::SolidFamily;
+pub use refinement::run as refinement;
 
 /// One contender on one body, map, thickness and family.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,7 +163,7 @@ fn line(record: &SolidRecord) -> String {
 /// Embree's triangles, where they are part of this build.
 #[cfg(feature = "embree")]
 fn peer<'a>(args: &SolidArgs, displaced: &Displaced) -> Result<Option<Contender<'a>>, String> {
-    let triangles = displaced.tessellate();
+    let triangles = displaced.tessellate(1);
     let watch = Watch::start();
     let scene = Scene::of_triangles(&args.embree_config, &triangles.positions, &triangles.indices)?;
     let took = watch.took().cpu;
@@ -182,7 +184,7 @@ fn peer<'a>(args: &SolidArgs, displaced: &Displaced) -> Result<Option<Contender<
 
 #[cfg(not(feature = "embree"))]
 fn peer<'a>(_: &SolidArgs, displaced: &Displaced) -> Result<Option<Contender<'a>>, String> {
-    let triangles = displaced.tessellate().indices.len();
+    let triangles = displaced.tessellate(1).indices.len();
     say(format_args!("skipped: embree-tri with {triangles} triangles; built without embree"));
     Ok(None)
 }
