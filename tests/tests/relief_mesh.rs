@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
-use rilievo::map::{HeightMap, Lattice, Layout, Wrap};
+use rilievo::map::{DistanceMap, DistanceOptions, HeightMap, Lattice, Layout, Metric, Wrap};
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{Displacement, Edges, MeshOptions, Method, Relief, ReliefMesh};
 use rilievo::{Counters, Ray, SimdLevel};
@@ -27,10 +27,24 @@ struct Case {
 
 impl Case {
     fn mesh(&self, method: Method, place: DAffine3) -> ReliefMesh {
+        self.mesh_over(method, place, None)
+    }
+
+    /// Over a distance map of a size, if the method walks one; by default that of the library.
+    fn mesh_over(&self, method: Method, place: DAffine3, size: Option<[u32; 3]>) -> ReliefMesh {
         let mesh = self.base.placed(place);
-        let scale = self.thickness * size(&mesh);
+        let scale = self.thickness * self::size(&mesh);
         let displacement =
             Displacement { scale, zero: self.zero, tile: self.tile, shift: [0.1, -0.3] };
+        let mut relief = Relief::new(self.map.clone());
+        if let Some(kind) = method.distance_kind() {
+            let sides = [0.3 * self::size(&mesh); 2];
+            let metric = Metric::of_face(&self.map, sides, scale);
+            let default = DistanceOptions::by_default(&self.map, kind, metric);
+            let options = DistanceOptions { size: size.unwrap_or(default.size), ..default };
+            let map = DistanceMap::from_height(&self.map, kind, &options).expect(self.name);
+            relief = relief.with_distance(map).expect(self.name);
+        }
         let options = MeshOptions {
             displacement,
             method,
@@ -38,7 +52,7 @@ impl Case {
             closed: true,
             ..MeshOptions::default()
         };
-        ReliefMesh::new(&mesh, Arc::new(Relief::new(self.map.clone())), options).expect(self.name)
+        ReliefMesh::new(&mesh, Arc::new(relief), options).expect(self.name)
     }
 }
 
@@ -87,7 +101,32 @@ fn cases() -> Vec<Case> {
         case("coarse", Base::Torus(20, 14), texel(Shape::White(10), [4, 3], Wrap::Repeat), 0.05),
         case("spot", Base::Spot, texel(Shape::Fbm(11), [96, 96], Wrap::Repeat), 0.01),
         case("flat", Base::Icosphere(1), texel(Shape::Flat(0.7), [9, 9], Wrap::Repeat), 0.05),
+        case("deep", Base::Icosphere(1), texel(Shape::Fbm(12), [40, 20], Wrap::Repeat), 0.3),
+        case("film", Base::Spot, texel(Shape::White(13), [64, 64], Wrap::Repeat), 0.001),
+        case("fur", Base::Spot, texel(Shape::Fbm(14), [48, 48], Wrap::Mirror), 0.2),
+        matched(case("matched", Base::Spot, texel(Shape::Fbm(17), [64, 64], Wrap::Repeat), 0.02)),
     ]
+}
+
+/// Those, and one so deep over random uv that rays start within folds all over.
+fn all_cases() -> Vec<Case> {
+    let mut all = cases();
+    all.push(Case {
+        name: "knot",
+        base: Base::Folded(15),
+        map: Shape::White(16).codes([12, 16], Lattice::Texel, Wrap::Mirror),
+        thickness: 0.3,
+        zero: 0.5,
+        edges: Edges::Shared,
+        tile: [1.0, 1.0],
+    });
+    all
+}
+
+/// A case whose map is baked towards equal heights at seams.
+fn matched(case: Case) -> Case {
+    let mesh = case.mesh(Method::Pyramid, DAffine3::IDENTITY);
+    Case { map: mesh.matched_heights(4), ..case }
 }
 
 fn places() -> [DAffine3; 4] {
@@ -122,11 +161,25 @@ fn ray(mesh: &ReliefMesh, random: &mut Random) -> Ray {
     ray
 }
 
+/// All ways to trace a case but the one that shows the leaf every cell.
+fn contenders(case: &Case, place: DAffine3) -> Vec<(String, ReliefMesh)> {
+    let mut all = vec![("pyramid".to_owned(), case.mesh(Method::Pyramid, place))];
+    // Voxels of a cell, and of many cells.
+    for (method, size) in [
+        (Method::Distance, None),
+        (Method::Distance, Some([5, 9, 4])),
+        (Method::DistanceCorrected, Some([6, 7, 5])),
+    ] {
+        all.push((format!("{method}, {size:?}"), case.mesh_over(method, place, size)));
+    }
+    all
+}
+
 #[test]
-fn pyramid_equals_every_cell_bit_for_bit() {
-    for case in cases() {
+fn every_method_equals_every_cell_bit_for_bit() {
+    for case in all_cases() {
         for place in places() {
-            let [all, pyramid] = [Method::Dda, Method::Pyramid].map(|m| case.mesh(m, place));
+            let all = case.mesh(Method::Dda, place);
             let (mut hits, mut wrong) = (0, Vec::new());
             let answers: Vec<_> = (0..rays(400))
                 .into_par_iter()
@@ -141,11 +194,14 @@ fn pyramid_equals_every_cell_bit_for_bit() {
                     (ray, expected)
                 })
                 .collect();
+            let contenders = contenders(&case, place);
             for (ray, expected) in answers {
-                let found = pyramid.closest(&ray, &mut ());
                 hits += u64::from(expected.is_some());
-                if found != expected || pyramid.occludes(&ray, &mut ()) != expected.is_some() {
-                    wrong.push((ray, expected, found));
+                for (name, mesh) in &contenders {
+                    let found = mesh.closest(&ray, &mut ());
+                    if found != expected || mesh.occludes(&ray, &mut ()) != expected.is_some() {
+                        wrong.push((name, ray, expected, found));
+                    }
                 }
             }
             let count = wrong.len();
@@ -171,7 +227,7 @@ fn agrees(expected: Option<f64>, found: Option<f64>, near: f64) -> bool {
 
 #[test]
 fn every_answer_is_the_oracles() {
-    for case in cases() {
+    for case in all_cases() {
         let place = DAffine3::from_rotation_x(0.2) * DAffine3::from_translation(DVec3::splat(3.0));
         let mesh = case.mesh(Method::Pyramid, place);
         let base = case.base.placed(place);

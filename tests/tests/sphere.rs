@@ -31,6 +31,14 @@ fn contenders(scene: &SphereScene) -> Vec<(String, ReliefSphere)> {
             all.push((name, scene.sphere(Method::Pyramid, layout, level)));
         }
     }
+    // Voxels of a cell, and of many cells, unlike along x and y.
+    for (method, size) in [
+        (Method::Distance, None),
+        (Method::Distance, Some([5, 3, 4])),
+        (Method::DistanceCorrected, Some([21, 6, 3])),
+    ] {
+        all.push((format!("{method}, {size:?}"), scene.sphere_over(method, size)));
+    }
     all
 }
 

@@ -299,6 +299,51 @@ fn a_method_of_the_caller_wins_and_brings_its_distance_map() {
 }
 
 #[test]
+fn spheres_and_meshes_are_walked_by_distance() {
+    for name in ["displaced_spheres", "displaced_mesh", "displaced_trapezium"] {
+        let path = root().join("tests/scenes/valid").join(name).with_extension("toml");
+        let file = SceneFile::read(&path, &Limits::default()).unwrap();
+        let load = |method| {
+            let options = LoadOptions { method: Some(method), ..LoadOptions::default() };
+            file.load(&options).unwrap()
+        };
+        let exact = load(Method::Dda);
+        for method in [Method::Distance, Method::DistanceCorrected] {
+            let loaded = load(method);
+            for (k, surface) in loaded.scene.world().surfaces().iter().enumerate() {
+                let found = match surface {
+                    Surface::ReliefSphere(sphere) => sphere.options().method,
+                    Surface::ReliefMesh(mesh) => mesh.options().method,
+                    Surface::Face(face) => face.options().method,
+                    other => panic!("{other:?}"),
+                };
+                assert_eq!(found, method);
+                let bounds = surface.bounds();
+                let ray = rilievo::Ray::between(bounds.max + DVec3::X, bounds.centre());
+                let hit = surface.closest(&ray, &mut ());
+                let other = exact.scene.world().surfaces()[k].closest(&ray, &mut ());
+                assert_eq!(hit.map(|hit| hit.t), other.map(|hit| hit.t), "{name}, {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn matched_edges_have_a_map_of_their_own() {
+    let text = "[camera]\nposition = [2, -3, 2]\nlook_at = [0, 0, 0]\n\
+        [maps.waves]\nprocedural = \"gaussian\"\nsize = [33, 33]\n\
+        [[shapes]]\ntype = \"mesh\"\nfile = \"tetrahedron.obj\"\nedges = \"matched\"\nmethod = \"distance\"\n\
+        displacement = { map = \"waves\", scale = 0.1 }\n";
+    let path = root().join("tests/scenes/valid/inline.toml");
+    let loaded = SceneFile::parse(text, &path).unwrap().load(&LoadOptions::default()).unwrap();
+    let [Surface::ReliefMesh(mesh)] = loaded.scene.world().surfaces() else { panic!() };
+    assert_eq!(mesh.options().edges, Edges::Shared);
+    assert!(mesh.relief().heights() != loaded.maps[0].relief.heights());
+    assert!(mesh.relief().distance(DistanceKind::Boxes).is_some());
+    assert!(loaded.notes.iter().any(|note| note.contains("seams matched")), "{:?}", loaded.notes);
+}
+
+#[test]
 fn files_that_are_no_scene_are_errors() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.toml");

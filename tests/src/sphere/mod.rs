@@ -6,7 +6,9 @@ mod rays;
 use std::sync::Arc;
 
 use glam::DVec3;
-use rilievo::map::{CubeHeights, HeightMap, Lattice, Layout, Tiling, Wrap};
+use rilievo::map::{
+    CubeFace, CubeHeights, DistanceOptions, HeightMap, Lattice, Layout, Tiling, Wrap,
+};
 use rilievo::relief::{CubeRelief, Displacement, Method, ReliefSphere, SphereOptions};
 use rilievo::{Ray, SimdLevel};
 
@@ -47,6 +49,24 @@ impl SphereScene {
         let displacement = self.displacement;
         let options = SphereOptions { displacement, method, simd, ..SphereOptions::default() };
         ReliefSphere::new(self.center, self.radius, relief, options).expect("a valid sphere")
+    }
+
+    /// The library's sphere, traced by a `method` that walks distance maps, of a size if there is one.
+    ///
+    /// # Panics
+    /// If the library refuses it, or the method walks none.
+    pub fn sphere_over(&self, method: Method, size: Option<[u32; 3]>) -> ReliefSphere {
+        let relief = CubeRelief::with_layout(self.heights.clone(), Layout::Default);
+        let kind = method.distance_kind().expect("a method by distance");
+        let metric = relief.metric(self.radius, self.displacement.scale);
+        let face = relief.face(CubeFace::PosX).heights();
+        let default = DistanceOptions::by_default(face, kind, metric);
+        let options = DistanceOptions { size: size.unwrap_or(default.size), ..default };
+        let relief = relief.with_distances(kind, &options).expect("a valid size");
+        let displacement = self.displacement;
+        let options = SphereOptions { displacement, method, ..SphereOptions::default() };
+        ReliefSphere::new(self.center, self.radius, Arc::new(relief), options)
+            .expect("a valid sphere")
     }
 
     /// Smallest and largest distance of a sample from the centre.

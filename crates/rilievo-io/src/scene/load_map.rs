@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use rilievo::map::{
-    CubeHeights, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric, ResamplingError,
-    Tiling,
+    CubeFace, CubeHeights, DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric,
+    ResamplingError, Tiling,
 };
 use rilievo::relief::{CubeRelief, Method, Relief};
 
@@ -23,7 +23,7 @@ pub(super) struct Needs {
     kinds: Vec<(DistanceKind, Face)>,
 }
 
-/// The face a distance map is made for: its sides and its depth.
+/// The surface a distance map is made for: its sides and its depth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
     /// Lengths of one repetition of the map along u and v, scene units.
@@ -35,24 +35,20 @@ pub(super) struct Face {
 impl Needs {
     /// Notes that `face` is walked by `method`.
     pub fn add(&mut self, method: Method, face: Face) {
-        let kind = match method {
-            Method::Distance => DistanceKind::Boxes,
-            Method::DistanceCorrected => DistanceKind::Corrected,
-            Method::DistancePublished => DistanceKind::Published,
-            Method::Dda | Method::Pyramid | Method::March => return,
-        };
+        let Some(kind) = method.distance_kind() else { return };
         if self.kinds.iter().all(|(k, _)| *k != kind) {
             self.kinds.push((kind, face));
         }
     }
 }
 
-/// Reads or makes the map of `entry` and lays it on the faces around a sphere; also measures by how
-/// much that changes it, if asked.
+/// Reads or makes the map of `entry` and lays it on the faces around a sphere, with the distance maps
+/// that it needs; also measures by how much that changes it, if asked.
 pub(super) fn load_cube(
     file: &SceneFile,
-    entry: &MapEntry,
+    (name, entry): (&str, &MapEntry),
     tiling: &Located<Tiling>,
+    needs: &Needs,
     options: &LoadOptions<'_>,
 ) -> Result<(Arc<CubeRelief>, [u32; 2], Option<ResamplingError>)> {
     let limits = &options.limits;
@@ -70,7 +66,21 @@ pub(super) fn load_cube(
     let size = [map.width(), map.height()];
     drop(map);
     let layout = options.layout.unwrap_or(entry.layout);
-    Ok((Arc::new(CubeRelief::with_layout(cube, layout)), size, error))
+    let mut relief = CubeRelief::with_layout(cube, layout);
+    if let (Some(name), false) = (&entry.distance.file, needs.kinds.is_empty()) {
+        let found = "a map baked for faces";
+        let allowed = "nothing for spheres: their maps are resampled, and distances made";
+        return Err(fault(file, &name.at, "distance.file", found, allowed));
+    }
+    for &(kind, face) in &needs.kinds {
+        let heights = relief.face(CubeFace::PosX).heights();
+        let build = plan_distance(file, entry, heights, (kind, face), (6, limits))?;
+        tell(options, name, (kind, build.value.size), heights);
+        relief = relief
+            .with_distances(kind, &build.value)
+            .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?;
+    }
+    Ok((Arc::new(relief), size, error))
 }
 
 /// Reads or makes the map `name` and what it needs.
@@ -83,35 +93,50 @@ pub(super) fn load(
     let limits = &options.limits;
     let layout = options.layout.unwrap_or(entry.layout);
     let mut relief = Relief::with_layout(heights(file, entry, limits)?, layout);
-    let mut baked = match &entry.distance.file {
-        Some(name) => Some((name, read_baked(file, name, relief.heights(), limits)?)),
-        None => None,
-    };
-    for &(kind, face) in &needs.kinds {
-        let map = match &mut baked {
-            Some((name, map)) if map.kind() != kind => {
+    for &need in &needs.kinds {
+        relief = add_distance(file, (name, entry), relief, need, options)?;
+    }
+    Ok(Arc::new(relief))
+}
+
+/// Reads or makes a distance map and adds it to the map `name`.
+pub(super) fn add_distance(
+    file: &SceneFile,
+    (name, entry): (&str, &MapEntry),
+    relief: Relief,
+    (kind, face): (DistanceKind, Face),
+    options: &LoadOptions<'_>,
+) -> Result<Relief> {
+    let limits = &options.limits;
+    let map = match &entry.distance.file {
+        Some(name) => {
+            let map = read_baked(file, name, relief.heights(), limits)?;
+            if map.kind() != kind {
                 let found = format!("a distance map of kind {:?}", map.kind());
                 let allowed = format!("{kind:?}, which the method of a shape asks for");
                 return Err(fault(file, &name.at, "distance.file", found, allowed));
             }
-            Some((_, map)) => map.clone(),
-            None => {
-                let build = plan_distance(file, entry, relief.heights(), (kind, face), limits)?;
-                (options.building)(&DistanceBuild {
-                    map: name,
-                    kind,
-                    size: build.value.size,
-                    cells: [relief.heights().x().cells(), relief.heights().y().cells()],
-                });
-                DistanceMap::from_height(relief.heights(), kind, &build.value)
-                    .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?
-            }
-        };
-        relief = relief
-            .with_distance(map)
-            .map_err(|e| fault(file, &entry.at, "distance", e.to_string(), ""))?;
-    }
-    Ok(Arc::new(relief))
+            map
+        }
+        None => {
+            let build = plan_distance(file, entry, relief.heights(), (kind, face), (1, limits))?;
+            tell(options, name, (kind, build.value.size), relief.heights());
+            DistanceMap::from_height(relief.heights(), kind, &build.value)
+                .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?
+        }
+    };
+    relief.with_distance(map).map_err(|e| fault(file, &entry.at, "distance", e.to_string(), ""))
+}
+
+/// Tells that a distance map is about to be built.
+fn tell(
+    options: &LoadOptions<'_>,
+    map: &str,
+    (kind, size): (DistanceKind, [u32; 3]),
+    heights: &HeightMap,
+) {
+    let cells = [heights.x().cells(), heights.y().cells()];
+    (options.building)(&DistanceBuild { map, kind, size, cells });
 }
 
 fn fault(
@@ -168,13 +193,13 @@ fn read_baked(
     Ok(map)
 }
 
-/// How a distance map is to be built, and the place that says so.
+/// How distance maps, so many of them, are to be built, and the place that says so.
 fn plan_distance(
     file: &SceneFile,
     entry: &MapEntry,
     heights: &HeightMap,
     (kind, face): (DistanceKind, Face),
-    limits: &Limits,
+    (count, limits): (u64, &Limits),
 ) -> Result<Located<DistanceOptions>> {
     let metric = Metric::of_face(heights, face.sides, face.scale.abs());
     let default = DistanceOptions::by_default(heights, kind, metric);
@@ -184,6 +209,6 @@ fn plan_distance(
     let bytes = DistanceMap::predicted_bytes(size.value, bits);
     let place = Place::Text(crate::Excerpt::new(&file.text, size.at.clone()));
     let bytes = u64::try_from(bytes).unwrap_or(u64::MAX);
-    limits.check(&file.path, place, "the distance map", &[bytes])?;
+    limits.check(&file.path, place, "the distance map", &[bytes, count])?;
     Ok(Located { value: DistanceOptions { size: size.value, metric, bits }, at: size.at })
 }

@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use rilievo::glam::{DAffine3, DVec3};
+use rilievo::map::{DistanceMap, DistanceOptions, Metric};
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Displacement, MeshOptions, Relief, ReliefMesh, ReliefMeshError};
 use rilievo::surface::Surface;
@@ -18,6 +19,7 @@ use rilievo_render::texture::{ColourImage, Texture};
 use rilievo_render::{Material, Reflectance};
 
 use super::file::MeshEntry;
+use super::relief_mesh::sides;
 use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::{Error, Result};
@@ -26,6 +28,24 @@ use crate::mesh::{ImageSource, ImageUse, LightKind, Model, ModelLight, ModelMate
 
 /// Metalness from which a material is a metal.
 const METAL: f64 = 0.5;
+
+/// A map with the distance map that the method of `options` walks, if it walks one; or what is wrong.
+fn with_distance(
+    relief: Arc<Relief>,
+    mesh: &Mesh,
+    options: &MeshOptions,
+) -> std::result::Result<Arc<Relief>, String> {
+    let Some(kind) = options.method.distance_kind().filter(|&k| relief.distance(k).is_none())
+    else {
+        return Ok(relief);
+    };
+    let (heights, displacement) = (relief.heights(), &options.displacement);
+    let metric = Metric::of_face(heights, sides(mesh, displacement), displacement.scale.abs());
+    let distances = DistanceOptions::by_default(heights, kind, metric);
+    let map = DistanceMap::from_height(heights, kind, &distances).map_err(|e| e.to_string())?;
+    let relief = Arc::unwrap_or_clone(relief).with_distance(map).map_err(|e| e.to_string())?;
+    Ok(Arc::new(relief))
+}
 
 impl Loader<'_> {
     /// Reads the model of an entry, with the texture coordinates and normals that it asks for.
@@ -105,7 +125,10 @@ impl Loader<'_> {
                 },
                 ..self.mesh_options(entry)
             };
-            let displaced = ReliefMesh::new(&mesh, relief, options).map_err(|e| {
+            let scene = self.file;
+            let refuse = |found| scene.invalid(&file.at, "displacement", found, String::new());
+            let relief = with_distance(relief, &mesh, &options).map_err(refuse)?;
+            let mut displaced = ReliefMesh::new(&mesh, relief, options.clone()).map_err(|e| {
                 let what = format!("displacement of {:?}", material.map_or("", |m| &m.name));
                 let allowed = match e {
                     ReliefMeshError::NoUv(_) => "texture coordinates, or `projection` in the shape",
@@ -113,6 +136,12 @@ impl Loader<'_> {
                 };
                 self.file.invalid(&file.at, &what, e.to_string(), allowed.to_owned())
             })?;
+            if entry.matched {
+                displaced = self.matched(entry, &mesh, displaced, |relief| {
+                    let relief = with_distance(Arc::new(relief), &mesh, &options);
+                    relief.map(Arc::unwrap_or_clone).map_err(refuse)
+                })?;
+            }
             self.tell(&file.value, displaced.report());
             parts.push((displaced.into(), own));
         }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use rilievo::map::{ResamplingError, Tiling};
 use rilievo::relief::{CubeRelief, Displacement, ReliefSphere, ReliefSphereError, SphereOptions};
 
-use super::file::{DisplacementEntry, SphereEntry};
-use super::load_map;
+use super::file::{DisplacementEntry, Shape, SphereEntry};
+use super::load_map::{self, Face, Needs};
 use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::Result;
@@ -40,18 +40,28 @@ fn key(entry: &DisplacementEntry) -> SphereMapKey<'_> {
 }
 
 impl<'a> Loader<'a> {
-    /// Loads the map at `index` for spheres displaced as `entry` says, unless it is there.
-    pub(super) fn load_sphere_map(
-        &mut self,
-        index: usize,
-        entry: &'a DisplacementEntry,
-    ) -> Result<()> {
-        let key = key(entry);
-        if !self.sphere_maps.contains_key(&key) {
+    /// Loads the maps of all displaced spheres, each once.
+    pub(super) fn load_sphere_maps(&mut self) -> Result<()> {
+        let mut all: Vec<(SphereMapKey<'a>, usize, &'a DisplacementEntry, Needs)> = Vec::new();
+        for shape in &self.file.shapes {
+            let Shape::Sphere(sphere) = &shape.shape else { continue };
+            let Some(entry) = &sphere.displacement else { continue };
+            let (key, index) = (key(entry), self.file.find(&entry.map, &self.file.maps, "map")?);
+            let at = all.iter().position(|(k, ..)| *k == key).unwrap_or_else(|| {
+                all.push((key, index, entry, Needs::default()));
+                all.len() - 1
+            });
+            let sides = [2.0 * sphere.radius.value; 2];
+            let face = Face { sides, scale: entry.displacement.scale };
+            all[at].3.add(self.method(sphere.method), face);
+        }
+        for (key, index, entry, needs) in all {
             let Displacement { tile, shift, .. } = entry.displacement;
             let tiling = Located { value: Tiling { tile, shift }, at: entry.at.clone() };
             let (name, map) = &self.file.maps[index];
-            let (relief, size, error) = load_map::load_cube(self.file, map, &tiling, self.options)?;
+            let map = (name.value.as_str(), map);
+            let (relief, size, error) =
+                load_map::load_cube(self.file, map, &tiling, &needs, self.options)?;
             let map = LoadedSphereMap { name: name.value.clone(), size, relief, error };
             self.sphere_maps.insert(key, map);
         }

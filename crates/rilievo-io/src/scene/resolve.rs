@@ -217,21 +217,20 @@ impl<'a> Loader<'a> {
 
     /// Loads every map that a shape uses.
     fn load_maps(&mut self) -> Result<()> {
+        self.load_sphere_maps()?;
         let mut needs: Vec<(usize, Needs)> = Vec::new();
         for shape in &self.file.shapes {
             let Some(entry) = shape.shape.displacement() else { continue };
             let index = self.file.find(&entry.map, &self.file.maps, "map")?;
             let face = match &shape.shape {
-                Shape::Sphere(_) => {
-                    self.load_sphere_map(index, entry)?;
-                    continue;
-                }
+                Shape::Sphere(_) => continue,
                 Shape::Quad(quad) if self.is_parallelogram(quad)? => {
                     let [c0, c1, _, c3] = quad.corners.value;
                     let tile = entry.displacement.tile;
                     let sides = [(c1 - c0).length() / tile[0], (c3 - c0).length() / tile[1]];
                     Some((self.method(quad.method), sides))
                 }
+                // Those of meshes are added when their size is known.
                 Shape::Quad(_) | Shape::Mesh(_) => None,
             };
             let at = needs.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {

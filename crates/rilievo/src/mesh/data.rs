@@ -172,6 +172,33 @@ impl MeshData {
         parts as u64
     }
 
+    /// How far one unit of u and one of v reach on the mesh, scene units: means over the area of all
+    /// triangles whose uv span an area. `None` if there are none.
+    ///
+    /// # Panics
+    /// If a triangle names a position or uv that is not there.
+    pub fn lengths_of_uv(&self) -> Option<[f64; 2]> {
+        let (mut sum, mut total) = ([0.0; 2], 0.0);
+        for triangle in &self.triangles {
+            let Some(uvs) = triangle.uvs else { continue };
+            let [a, b, c] = triangle.positions.map(|p| self.positions[p as usize]);
+            let [p, q, r] = uvs.map(|uv| self.uvs[uv as usize]);
+            let (along, across) = (b - a, c - a);
+            let (e, f) = (q - p, r - p);
+            let turn = e.perp_dot(f);
+            let u = (along * f.y - across * e.y) / turn;
+            let v = (across * e.x - along * f.x) / turn;
+            let area = along.cross(across).length();
+            let lengths = [u.length() * area, v.length() * area];
+            if lengths.iter().all(|x| x.is_finite()) {
+                sum = [sum[0] + lengths[0], sum[1] + lengths[1]];
+                total += area;
+            }
+        }
+        let lengths = sum.map(|x| x / total);
+        lengths.iter().all(|x| x.is_finite() && *x > 0.0).then_some(lengths)
+    }
+
     fn check(&self) -> Result<(), MeshError> {
         if self.triangles.is_empty() {
             return Err(MeshError::Empty);

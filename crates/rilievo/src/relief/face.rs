@@ -138,7 +138,7 @@ impl ReliefFace {
         if let Some((key, value, allowed)) = options.displacement.fault() {
             return Err(FaceError::Displacement { key, value, allowed });
         }
-        if let Some(kind) = distance_kind(options.method)
+        if let Some(kind) = options.method.distance_kind()
             && relief.distance(kind).is_none()
         {
             return Err(FaceError::NoDistanceMap { method: options.method, kind });
@@ -318,14 +318,4 @@ fn bounds(placement: &Placement, relief: &Relief, closed: bool) -> Aabb {
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     let extent = (bounds.max - bounds.min).max_element();
     bounds.grown(extent * 1e-6 + reach * 1e-12)
-}
-
-/// The kind of distance map a method walks, if it walks one.
-pub(crate) fn distance_kind(method: Method) -> Option<DistanceKind> {
-    match method {
-        Method::Distance => Some(DistanceKind::Boxes),
-        Method::DistanceCorrected => Some(DistanceKind::Corrected),
-        Method::DistancePublished => Some(DistanceKind::Published),
-        Method::Dda | Method::Pyramid | Method::March => None,
-    }
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::map::DistanceKind;
+
 /// How a ray is walked through a relief. The exact methods give one answer, bit for bit: they
 /// differ in which cells they show to the one leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -43,6 +45,16 @@ impl Method {
     /// Whether the method reports the oracle's hit for every ray.
     pub fn is_exact(self) -> bool {
         !matches!(self, Self::DistancePublished | Self::March)
+    }
+
+    /// The kind of distance map that the method walks, if it walks one.
+    pub fn distance_kind(self) -> Option<DistanceKind> {
+        match self {
+            Self::Distance => Some(DistanceKind::Boxes),
+            Self::DistanceCorrected => Some(DistanceKind::Corrected),
+            Self::DistancePublished => Some(DistanceKind::Published),
+            Self::Dda | Self::Pyramid | Self::March => None,
+        }
     }
 
     /// The name used in files and on the command line.

@@ -24,6 +24,7 @@
 
 mod approximate;
 mod cell_walk;
+mod corridor;
 mod distance_walk;
 mod face;
 mod kernels;
@@ -51,7 +52,9 @@ use crate::map::{
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
-pub use mesh::{Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError};
+pub use mesh::{
+    Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError, SeamSteps,
+};
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
 pub use sphere::{CubeRelief, ReliefSphere, ReliefSphereError, SphereCrossing, SphereOptions};
@@ -103,7 +106,7 @@ impl Relief {
     ///
     /// # Errors
     /// [`ReliefError`] if the map was made for other cells or another range of heights.
-    pub fn with_distance(mut self, map: DistanceMap) -> Result<Self, ReliefError> {
+    pub fn with_distance(self, map: DistanceMap) -> Result<Self, ReliefError> {
         let expected = self.pyramid.cells();
         if map.cells() != expected {
             return Err(ReliefError::WrongCells { found: map.cells(), expected });
@@ -112,9 +115,14 @@ impl Relief {
         if map.raw_range() != expected {
             return Err(ReliefError::WrongRange { found: map.raw_range(), expected });
         }
+        Ok(self.with_own_distance(map))
+    }
+
+    /// Adds a distance map that was made from these heights.
+    fn with_own_distance(mut self, map: DistanceMap) -> Self {
         self.distances.retain(|m| m.kind() != map.kind());
         self.distances.push(map.laid_on(&self.heights));
-        Ok(self)
+        self
     }
 
     /// Changes the samples of columns `x` and rows `y` as [`HeightMap::edit`] does, and follows with
@@ -186,6 +194,12 @@ impl Relief {
     #[inline]
     pub fn distance(&self, kind: DistanceKind) -> Option<&DistanceMap> {
         self.distances.iter().find(|m| m.kind() == kind)
+    }
+
+    /// The distance map that a method walks, if it was added.
+    #[inline]
+    fn walked_by(&self, method: Method) -> Option<&DistanceMap> {
+        self.distance(method.distance_kind()?)
     }
 
     /// Bytes held by the heights and by what was derived from them.

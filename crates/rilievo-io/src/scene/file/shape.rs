@@ -73,6 +73,8 @@ pub(in super::super) struct MeshEntry {
     pub world_from_object: Option<Located<DAffine3>>,
     pub displacement: Option<DisplacementEntry>,
     pub edges: Edges,
+    /// Whether the map is baked towards equal heights at seams.
+    pub matched: bool,
     pub method: Option<Method>,
     pub closed: bool,
     pub one_sided: bool,
@@ -191,8 +193,12 @@ fn read_sphere(table: &Table<'_>) -> Result<SphereEntry> {
 
 fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
     let file = table.require("file")?.name()?;
-    let edges = table.get("edges").map_or(Ok(Edges::Shared), |v| {
-        v.choice(&[("shared", Edges::Shared), ("as-authored", Edges::AsAuthored)])
+    let (edges, matched) = table.get("edges").map_or(Ok((Edges::Shared, false)), |v| {
+        v.choice(&[
+            ("shared", (Edges::Shared, false)),
+            ("matched", (Edges::Shared, true)),
+            ("as-authored", (Edges::AsAuthored, false)),
+        ])
     })?;
     let transform = table.get("transform");
     let world_from_object = transform.map(|v| v.located(read_transform)).transpose()?;
@@ -213,6 +219,7 @@ fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
         world_from_object,
         displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
         edges,
+        matched,
         method: walked.map(|v| method(&v)).transpose()?,
         closed: flag(closed)?,
         one_sided: flag(one_sided)?,

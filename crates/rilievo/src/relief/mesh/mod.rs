@@ -26,6 +26,7 @@ mod frame;
 mod hit;
 mod leaf;
 mod line;
+mod matching;
 mod nearest;
 mod options;
 mod patch;
@@ -51,6 +52,7 @@ use super::Relief;
 use super::method::Method;
 use super::options::Displacement;
 use footprint::{Footprint, MARGIN};
+pub use matching::SeamSteps;
 use nearest::Candidate;
 pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
 use prism::{Prism, Shape};
@@ -124,8 +126,14 @@ impl ReliefMesh {
         relief: Arc<Relief>,
         options: MeshOptions,
     ) -> Result<Self, ReliefMeshError> {
-        if !matches!(options.method, Method::Pyramid | Method::Dda) {
-            return Err(ReliefMeshError::Method(options.method));
+        let method = options.method;
+        if !method.is_exact() {
+            return Err(ReliefMeshError::Method(method));
+        }
+        if let Some(kind) = method.distance_kind()
+            && relief.distance(kind).is_none()
+        {
+            return Err(ReliefMeshError::NoDistanceMap { method, kind });
         }
         if let Some((key, value, allowed)) = options.displacement.fault() {
             return Err(ReliefMeshError::Displacement { key, value, allowed });
@@ -310,25 +318,8 @@ impl ReliefMesh {
 
     /// Height over the level that a side of an edge shows.
     fn height_over(&self, side: &Side, s: f64) -> f64 {
-        let heights = self.relief.heights();
-        let [a, b] = side.ends;
-        let mut cell = [0; 2];
-        let mut at = [0.0; 2];
-        for k in 0..2 {
-            let x = a[k] + s * (b[k] - a[k]);
-            let line = x.round();
-            // On a line between cells, the cell on the side's own side.
-            let on_line = (x - line).abs() <= 1e-9;
-            let first = if on_line && side.inside[k] < 0.0 {
-                line - 1.0
-            } else if on_line {
-                line
-            } else {
-                x.floor()
-            };
-            (cell[k], at[k]) = (first as i32, x - first);
-        }
-        let corners = heights.unfolded_corners(cell[0], cell[1]);
+        let (cell, at) = side.place(s);
+        let corners = self.relief.heights().unfolded_corners(cell[0], cell[1]);
         patch::Heights::new(corners, self.offsets.level).at(at[0], at[1])
     }
 }

@@ -1,5 +1,6 @@
 //! What a user says about a displaced mesh, and what is said in return.
 
+use crate::map::DistanceKind;
 use crate::simd::SimdLevel;
 
 use super::super::method::Method;
@@ -22,7 +23,7 @@ pub enum Edges {
 pub struct MeshOptions {
     /// How the map is laid on the uv of the mesh.
     pub displacement: Displacement,
-    /// How rays are walked: [`Method::Pyramid`] or [`Method::Dda`].
+    /// How rays are walked: an exact method; those by distance need the relief's distance map.
     pub method: Method,
     /// Which normals to shade with.
     pub normals: ShadingNormals,
@@ -84,7 +85,15 @@ pub enum ReliefMeshError {
         /// Largest coordinate.
         found: f64,
     },
-    /// The method does not know meshes.
-    #[error("method {0} walks displaced faces only; meshes are walked by pyramid and dda")]
+    /// The method is approximate, for faces only.
+    #[error("method {0} is for faces only; meshes are walked by the exact methods")]
     Method(Method),
+    /// The method needs a distance map that the relief does not have.
+    #[error("method {method} needs a {kind:?} distance map")]
+    NoDistanceMap {
+        /// The method.
+        method: Method,
+        /// The kind that is missing.
+        kind: DistanceKind,
+    },
 }

@@ -68,9 +68,10 @@ impl<P: Probe> Visit<P> for Items<'_> {
             mesh.walls[(index - count) as usize].meet(index, mesh, line, nearest)
         } else {
             let walk = PrismWalk { mesh, index, ray: line, nearest, scratch, probe };
-            match mesh.options.method {
-                Method::Dda => walk.every_cell(),
-                _ => walk.through_pyramid::<L>(),
+            match (mesh.options.method, mesh.relief.walked_by(mesh.options.method)) {
+                (Method::Dda, _) => walk.every_cell(),
+                (_, Some(distances)) => walk.by_distance(distances),
+                (_, None) => walk.through_pyramid::<L>(),
             }
         };
         (!over).then(|| nearest.limit())

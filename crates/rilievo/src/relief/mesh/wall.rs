@@ -25,6 +25,29 @@ pub(super) struct Side {
     pub inside: [f64; 2],
 }
 
+impl Side {
+    /// The unfolded cell shown at a place along the edge, and coordinates in it.
+    pub fn place(&self, s: f64) -> ([i32; 2], [f64; 2]) {
+        let [a, b] = self.ends;
+        let (mut cell, mut at) = ([0; 2], [0.0; 2]);
+        for k in 0..2 {
+            let x = a[k] + s * (b[k] - a[k]);
+            let line = x.round();
+            // On a line between cells, the cell on the side's own side.
+            let on_line = (x - line).abs() <= 1e-9;
+            let first = if on_line && self.inside[k] < 0.0 {
+                line - 1.0
+            } else if on_line {
+                line
+            } else {
+                x.floor()
+            };
+            (cell[k], at[k]) = (first as i32, x - first);
+        }
+        (cell, at)
+    }
+}
+
 /// A wall over an edge; it runs as the edge does in the first side's triangle.
 #[derive(Clone, Debug)]
 pub(super) struct Wall {

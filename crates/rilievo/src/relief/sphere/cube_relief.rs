@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::map::{CubeFace, CubeHeights, CubeHeightsError, HeightMap, Layout, Pyramid, Tiling};
+use crate::map::{
+    CubeFace, CubeHeights, CubeHeightsError, DistanceKind, DistanceMap, DistanceMapError,
+    DistanceOptions, HeightMap, Layout, Metric, Pyramid, Tiling,
+};
 use crate::relief::Relief;
 
 /// A map resampled onto the faces around a sphere, with its bounds; one serves any number of spheres.
@@ -28,6 +31,31 @@ impl CubeRelief {
         let (cells, tiling) = (heights.cells(), heights.tiling());
         let faces = heights.into_faces().map(|face| Relief::with_layout(face, layout));
         Self { cells, tiling, faces }
+    }
+
+    /// Adds a distance map for each face, in place of any other of its kind. Each knows the cells of
+    /// its own face only: a ray asks face by face.
+    ///
+    /// # Errors
+    /// [`DistanceMapError`] for a size or a metric that cannot be used.
+    pub fn with_distances(
+        mut self,
+        kind: DistanceKind,
+        options: &DistanceOptions,
+    ) -> Result<Self, DistanceMapError> {
+        let [a, b, c, d, e, f] = self.faces.map(|face| {
+            let map = DistanceMap::from_height(face.heights(), kind, options)?;
+            Ok(face.with_own_distance(map))
+        });
+        self.faces = [a?, b?, c?, d?, e?, f?];
+        Ok(self)
+    }
+
+    /// The metric in which distance maps serve a sphere of this radius best: that of the middle of a
+    /// face. `scale` is the displacement of height 1, in the same unit.
+    pub fn metric(&self, radius: f64, scale: f64) -> Metric {
+        let cell = 2.0 * radius / f64::from(self.cells);
+        Metric { x: cell, y: cell, z: (scale * self.unit()).abs() }
     }
 
     /// Cells along a side of a face.

@@ -29,6 +29,7 @@
 //! along y, over which q changes by [`Radii::variation`] a cell at most. A height field cannot be
 //! crossed along its own displacement, so the lift skips nothing.
 
+mod by_distance;
 mod clip;
 mod cube_relief;
 mod leaf;
@@ -56,6 +57,7 @@ use crate::spherical;
 
 use super::method::Method;
 use super::options::{Displacement, ShadingNormals};
+use by_distance::by_distance;
 use clip::Beginning;
 use radii::Radii;
 use segment::Segments;
@@ -103,7 +105,7 @@ impl ReliefSphere {
         relief: Arc<CubeRelief>,
         options: SphereOptions,
     ) -> Result<Self, ReliefSphereError> {
-        options::check(center, radius, relief.tiling(), &options)?;
+        options::check(center, radius, &relief, &options)?;
         let Displacement { scale, zero, .. } = options.displacement;
         let radii = Radii::new(&relief, radius, scale, zero);
         if !radii.are_valid() {
@@ -253,13 +255,22 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
                 if part.t + segment.begins() > t_max {
                     return None;
                 }
-                let found = match options.method {
-                    Method::Dda => walk::by_cells(&segment, radii.cells, probe),
-                    _ => {
+                let face = relief.face(segment.face);
+                let found = match (options.method, face.walked_by(options.method)) {
+                    (Method::Dda, _) => walk::among_cells(&segment, radii.cells, [0.0, 1.0], probe),
+                    (_, distances) => {
                         let end = (segment.s_at(t_max - part.t) + 1e-9).min(1.0);
-                        let range = Range { outside, nearest: segment.s_at(part.nearest), end };
-                        let face = relief.face(segment.face);
-                        walk::by_pyramid::<L, P>(&segment, (face, radii), range, probe)
+                        match distances {
+                            Some(distances) => {
+                                let maps = (face.heights(), distances, radii);
+                                by_distance(&segment, maps, end, probe)
+                            }
+                            None => {
+                                let nearest = segment.s_at(part.nearest);
+                                let range = Range { outside, nearest, end };
+                                walk::by_pyramid::<L, P>(&segment, (face, radii), range, probe)
+                            }
+                        }
                     }
                 };
                 let Some(root) = found else { continue };

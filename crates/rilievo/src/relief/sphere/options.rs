@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::map::Tiling;
+use super::CubeRelief;
+use crate::map::{CubeFace, DistanceKind};
 use crate::mesh::COORDINATE_LIMIT;
 use crate::relief::method::Method;
 use crate::relief::options::{Displacement, ShadingNormals};
@@ -14,7 +15,7 @@ pub struct SphereOptions {
     /// How the map is laid on the sphere; `tile` and `shift` must be those that the relief was
     /// resampled with.
     pub displacement: Displacement,
-    /// How rays are walked: [`Method::Dda`] or [`Method::Pyramid`].
+    /// How rays are walked: an exact method; those by distance need the relief's distance maps.
     pub method: Method,
     /// Which normals to shade with; those of the paper are for faces only.
     pub normals: ShadingNormals,
@@ -51,9 +52,17 @@ pub enum ReliefSphereError {
         /// The largest.
         highest: f64,
     },
-    /// The method is for faces only.
-    #[error("method {0} is not there for spheres; dda and pyramid are")]
+    /// The method is approximate, for faces only.
+    #[error("method {0} is for faces only; spheres are walked by the exact methods")]
     Method(Method),
+    /// The method needs distance maps that the relief does not have.
+    #[error("method {method} needs {kind:?} distance maps")]
+    NoDistanceMap {
+        /// The method.
+        method: Method,
+        /// The kind that is missing.
+        kind: DistanceKind,
+    },
     /// The normals are for faces only.
     #[error(
         "the normals of the paper's figures are for faces; spheres have smooth, exact or those of a map"
@@ -65,7 +74,7 @@ pub enum ReliefSphereError {
 pub(super) fn check(
     center: DVec3,
     radius: f64,
-    tiling: Tiling,
+    relief: &CubeRelief,
     options: &SphereOptions,
 ) -> Result<(), ReliefSphereError> {
     if !center.abs().cmple(DVec3::splat(COORDINATE_LIMIT)).all() {
@@ -76,6 +85,7 @@ pub(super) fn check(
     }
     let refuse = |key, value, allowed| Err(ReliefSphereError::Displacement { key, value, allowed });
     let Displacement { tile, shift, .. } = options.displacement;
+    let tiling = relief.tiling();
     if let Some((key @ ("scale" | "zero"), value, allowed)) = options.displacement.fault() {
         return refuse(key, value, allowed);
     }
@@ -89,8 +99,14 @@ pub(super) fn check(
             return refuse("shift", value, "that with which the map was resampled");
         }
     }
-    if !matches!(options.method, Method::Dda | Method::Pyramid) {
-        return Err(ReliefSphereError::Method(options.method));
+    let method = options.method;
+    if !method.is_exact() {
+        return Err(ReliefSphereError::Method(method));
+    }
+    if let Some(kind) = method.distance_kind()
+        && relief.face(CubeFace::PosX).distance(kind).is_none()
+    {
+        return Err(ReliefSphereError::NoDistanceMap { method, kind });
     }
     if matches!(options.normals, ShadingNormals::Published | ShadingNormals::WrongMetric) {
         return Err(ReliefSphereError::Normals);

@@ -1,8 +1,9 @@
 //! The methods: which cells of a segment the leaf is shown, in order.
 //!
-//! [`by_cells`] shows every cell under the segment. [`by_pyramid`] goes down the face's min-max
-//! pyramid, whose lines are lines of cells, from the smallest node that holds the whole segment, and
-//! leaves out blocks and cells that the ray passes (`sweep`).
+//! [`among_cells`] shows every cell under a part of the segment, for `dda` all of it. [`by_pyramid`]
+//! goes down the face's min-max pyramid, whose lines are lines of cells, from the smallest node that
+//! holds the whole segment, and leaves out blocks and cells that the ray passes (`sweep`). The third is
+//! in `by_distance`.
 
 use super::radii::Radii;
 use super::segment::{Root, Segment};
@@ -17,14 +18,20 @@ const LEVELS: usize = 8;
 /// By how much the cells under a segment are counted too far, for the rounding of its lines.
 const BESIDE: f64 = 1e-9;
 
-/// The first crossing among all cells under a segment.
+/// The first crossing among all cells under a part of a segment, of `[0, 1]`.
 #[inline(always)]
-pub(super) fn by_cells<P: Probe>(segment: &Segment<'_>, cells: u32, probe: &mut P) -> Option<Root> {
+pub(super) fn among_cells<P: Probe>(
+    segment: &Segment<'_>,
+    cells: u32,
+    [from, to]: [f64; 2],
+    probe: &mut P,
+) -> Option<Root> {
     let last = f64::from(cells - 1);
     let forward = [0, 1].map(|k| segment.slope[k] > 0.0);
+    // A little back, for the rounding of the place: cells that end before the part hold nothing.
     let first = |k: usize| {
-        let at = segment.origin[k];
-        let cell = if forward[k] { at.floor() } else { at.ceil() - 1.0 };
+        let at = segment.origin[k] + from * segment.slope[k];
+        let cell = if forward[k] { (at - BESIDE).floor() } else { (at + BESIDE).ceil() - 1.0 };
         cell.max(0.0).min(last) as u32
     };
     let mut cell = [first(0), first(1)];
@@ -39,7 +46,7 @@ pub(super) fn by_cells<P: Probe>(segment: &Segment<'_>, cells: u32, probe: &mut 
             far[k] = segment.crosses(k, line);
         }
         let leave = far[0].min(far[1]);
-        if leave >= 1.0 {
+        if leave >= to {
             return None;
         }
         for k in 0..2 {

@@ -1,4 +1,5 @@
-//! Methods `pyramid` and `dda`: which cells under a prism are shown to the leaf.
+//! Methods `pyramid` and `dda`: which cells under a prism are shown to the leaf; those by distance are
+//! in `by_distance`.
 //!
 //! **Pyramid.** A prism is entered by a straight line in lattice coordinates with an error (see
 //! `frame`): the parameters at which the line is between the lowest and highest height of the prism
@@ -20,6 +21,7 @@
 //! **Dda** shows every cell under every prism whose box the ray meets to the leaf: the referee. It
 //! is slow by nature, and shares no bound with the pyramid.
 
+mod by_distance;
 mod cells;
 mod descent;
 mod forward;
