@@ -17,6 +17,7 @@ use rilievo::relief::Method;
 use rilievo_render::film::tonemap::View;
 use rilievo_render::{Aov, FilterKind, Integrator, SamplerKind};
 
+use rilievo_io::image::Stored;
 use value::{PicturePath, PngPath};
 
 /// Ray-traces displacement-mapped surfaces without tessellating them.
@@ -97,6 +98,12 @@ pub struct RenderArgs {
     /// Radius of the filter [default: the scene's; of --filter 0.5, 1, 1.5, 2, 1.5].
     #[arg(long, value_name = "PIXELS", value_parser = value::filter_radius)]
     pub filter_radius: Option<f64>,
+    /// Samples of an EXR: float, or half for colours and normals. P, UV, Z, Height and Steps stay float.
+    #[arg(long, value_name = "SAMPLES", default_value = "float", value_parser = value::stored())]
+    pub exr: Stored,
+    /// Cut an EXR into square tiles of so many pixels a side [default: lines].
+    #[arg(long, value_name = "PIXELS", value_parser = value::tiles)]
+    pub tiles: Option<u32>,
     /// How a PNG shows light beyond white [default: the scene's].
     #[arg(long, value_parser = value::view())]
     pub view: Option<View>,
@@ -324,6 +331,7 @@ Examples:
   rilievo render scene.toml -o out.png --filter blackman-harris --filter-radius 1.5
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
+  rilievo render scene.toml -o out.exr --exr half --tiles 64
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
   rilievo render scene.toml -o steps.png --integrator aov --aov Steps --method distance
   rilievo render scene.toml -o draft.png --time-limit 10 --json";

@@ -1,10 +1,10 @@
 //! [`PictureKind`]: what of a film goes into the file, and how.
 
-use rilievo_io::image::{Attribute, Picture, write_png_rgb8};
+use rilievo_io::image::{Attribute, Blocks, Picture, Stored, write_png_rgb8};
 use rilievo_io::{Error, Result};
 use rilievo_render::film::false_colour::false_colour;
 use rilievo_render::film::tonemap::ToneMap;
-use rilievo_render::{Aov, Film, Integrator, RenderSettings};
+use rilievo_render::{Aov, Camera, Film, Integrator, RenderSettings};
 
 use crate::args::value::{PictureFormat, PicturePath};
 
@@ -79,6 +79,11 @@ pub struct Finished<'a> {
     pub kind: &'a PictureKind,
     /// How a PNG shows the colour.
     pub tone_map: ToneMap,
+    /// How an EXR keeps samples.
+    pub stored: Stored,
+    /// How an EXR is cut up.
+    pub blocks: Blocks,
+    pub camera: &'a Camera,
     pub settings: &'a RenderSettings,
     /// Camera rays per pixel.
     pub samples: u32,
@@ -110,14 +115,31 @@ impl Finished<'_> {
     ) -> std::result::Result<(), Error> {
         let [width, height] = self.film.resolution();
         let attributes = self.attributes();
-        let mut picture = Picture { width, height, channels: Vec::new(), attributes };
+        let blocks = self.blocks;
+        let mut picture = Picture { width, height, blocks, attributes, ..Picture::default() };
         if colour {
-            picture.push_interleaved(&["R", "G", "B"], self.film.radiance().as_flattened());
+            picture.push_interleaved(
+                &["R", "G", "B"],
+                self.film.radiance().as_flattened(),
+                self.stored,
+            );
         }
         for layer in self.film.layers() {
-            picture.push_interleaved(layer.aov().channels(), layer.values());
+            picture.push_interleaved(
+                layer.aov().channels(),
+                layer.values(),
+                self.stored_as(layer.aov()),
+            );
         }
         picture.write_exr(path)
+    }
+
+    /// How a layer is stored: eleven bits are enough for colours and directions only.
+    fn stored_as(&self, aov: Aov) -> Stored {
+        match aov {
+            Aov::N | Aov::Ns | Aov::Albedo => self.stored,
+            Aov::P | Aov::Uv | Aov::Height | Aov::Steps | Aov::Z => Stored::Float,
+        }
     }
 
     /// What the file says about itself: the same for the same picture, so neither time nor threads.
@@ -127,8 +149,16 @@ impl Finished<'_> {
             let value = i32::try_from(value).unwrap_or(i32::MAX);
             (name.to_owned(), Attribute::Integer(value))
         };
+        // Transforms are for row vectors: the columns of ours are the rows of theirs.
+        let matrix = |name: &str, columns: [[f64; 4]; 4]| {
+            let rows = columns.map(|column| column.map(|x| x as f32));
+            (name.to_owned(), Attribute::Matrix(rows))
+        };
         let settings = self.settings;
-        vec![
+        let image_from_world = self.camera.image_from_world();
+        let ndc = image_from_world.map(|m| matrix("worldToNDC", m.to_cols_array_2d()));
+        let camera = self.camera.camera_from_world().to_cols_array_2d();
+        let own = vec![
             text("software", format!("rilievo {}", env!("CARGO_PKG_VERSION"))),
             integer("samplesPerPixel", self.samples),
             text("rilievo/integrator", settings.integrator.to_string()),
@@ -139,7 +169,10 @@ impl Finished<'_> {
             text("rilievo/sampler", settings.sampler.to_string()),
             text("rilievo/seed", settings.seed.to_string()),
             integer("rilievo/complete", u32::from(self.film.is_complete())),
-        ]
+            text("rilievo/filter", settings.filter.kind.to_string()),
+            matrix("worldToCamera", camera),
+        ];
+        own.into_iter().chain(ndc).collect()
     }
 }
 

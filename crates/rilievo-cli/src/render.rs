@@ -1,5 +1,6 @@
 //! `rilievo render`: a scene to a picture.
 
+use rilievo_io::image::Blocks;
 use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats};
 use serde::Serialize;
 
@@ -79,6 +80,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
             film: &film,
             kind: &job.kind,
             tone_map: job.tone_map,
+            stored: args.exr,
+            blocks: args.tiles.map_or(Blocks::Lines, Blocks::Tiles),
+            camera: job.scene.camera(),
             settings: job.scene.settings(),
             samples: job.samples,
         };

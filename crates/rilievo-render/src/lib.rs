@@ -69,7 +69,7 @@ pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, render};
 pub use sampler::{PathSampler, SamplerKind};
 pub use scene::{
-    Camera, CameraError, CameraParts, Material, MaterialError, Reflectance, RenderSettings, Scene,
-    SceneError, SceneParts, SettingsError,
+    Camera, CameraError, CameraParts, Lens, Material, MaterialError, Pose, Projection, Reflectance,
+    RenderSettings, Scene, SceneError, SceneParts, SettingsError,
 };
 pub use texture::{ColourImage, Texels, Texture, TextureError};

@@ -10,6 +10,7 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
+use rilievo_io::image::Stored;
 use rilievo_render::film::tonemap::{ToneMap, View};
 use rilievo_render::{Aov, Camera, Filter, FilterKind, Integrator, RenderSettings, SamplerKind};
 
@@ -117,6 +118,16 @@ pub fn filter_radius(text: &str) -> Result<f64, String> {
 
 pub fn view() -> impl TypedValueParser<Value = View> {
     PossibleValuesParser::new(View::ALL.map(View::name)).try_map(|name| name.parse::<View>())
+}
+
+pub fn stored() -> impl TypedValueParser<Value = Stored> {
+    named([("half", Stored::Half), ("float", Stored::Float)])
+}
+
+/// Pixels along a side of a tile.
+pub fn tiles(text: &str) -> Result<u32, String> {
+    let found = text.parse().ok().filter(|n| (16..=4096).contains(n));
+    found.ok_or_else(|| "expected 16 to 4096 pixels".to_owned())
 }
 
 pub fn lattice() -> impl TypedValueParser<Value = Lattice> {

@@ -33,6 +33,8 @@ pub enum Attribute {
     Integer(i32),
     /// A number.
     Number(f32),
+    /// A matrix by its rows, made for row vectors, as EXR keeps transforms: `p M`.
+    Matrix([[f32; 4]; 4]),
 }
 
 impl ChannelImage {

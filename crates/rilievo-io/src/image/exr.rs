@@ -118,17 +118,28 @@ fn attributes(header: &Header) -> Vec<(String, Attribute)> {
             Some((name.to_owned(), Attribute::Text(text.as_ref()?.to_string())))
         })
         .collect();
+    let transforms =
+        [("worldToCamera", own.world_to_camera), ("worldToNDC", own.world_to_normalized_device)];
+    for (name, values) in transforms {
+        all.extend(values.map(|values| (name.to_owned(), matrix(&values))));
+    }
     for (name, value) in own.other.iter().chain(&header.shared_attributes.other) {
         let value = match value {
             AttributeValue::Text(text) => Attribute::Text(text.to_string()),
             AttributeValue::I32(value) => Attribute::Integer(*value),
             AttributeValue::F32(value) => Attribute::Number(*value),
+            AttributeValue::Matrix4x4(values) => matrix(values),
             _ => continue,
         };
         all.push((name.to_string(), value));
     }
     all.sort_by(|a, b| a.0.cmp(&b.0));
     all
+}
+
+/// A matrix from its numbers, row by row.
+fn matrix(values: &[f32; 16]) -> Attribute {
+    Attribute::Matrix([0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|k| values[4 * row + k])))
 }
 
 /// An EXR file whose header has been read.

@@ -5,7 +5,7 @@
 //! | PNG 1-16 bit, all colour types | yes | yes, sRGB | yes | RGB 8 and 16 bit, grey 16 bit |
 //! | TIFF 8-64 bit integers, 16-64 bit floats | yes | 8, 16 bit: sRGB; floats: linear | yes | no |
 //! | JPEG 8 bit | yes | yes, sRGB | yes | no |
-//! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | float, ZIP |
+//! | OpenEXR half, float, uint | yes: `Y`, or `Z`, or `R` alone, or `R G B` | yes, linear | yes | half and float, lines and tiles, ZIP |
 //! | PFM | yes | yes, linear | yes | no |
 //! | Radiance HDR | yes | yes, linear | yes | no |
 //! | Esri ASCII grid, SRTM `.hgt`, `.bil` with `.hdr` | yes | no use | yes | no |
@@ -46,7 +46,7 @@ pub use source::{ImageInfo, SampleKind};
 pub use terrain::Terrain;
 pub use udim::Udim;
 pub(crate) use udim::{MARK, number};
-pub use write_exr::{Picture, PictureChannel};
+pub use write_exr::{Blocks, Crop, Picture, PictureChannel, Stored};
 pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 
 use crate::error::Result;

@@ -5,7 +5,7 @@ pub mod material;
 pub mod model;
 pub mod settings;
 
-pub use camera::{Camera, CameraError, CameraParts};
+pub use camera::{Camera, CameraError, CameraParts, Lens, Pose, Projection};
 pub use material::{Material, MaterialError, Reflectance};
 pub use model::{Conductor, Diffuse, Glass, Metal, Mix, Model, Principled, ThinGlass};
 pub use settings::{RenderSettings, SettingsError};
