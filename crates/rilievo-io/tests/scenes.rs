@@ -15,7 +15,7 @@ use rilievo_io::{Error, Limits, Place};
 use rilievo_render::film::tonemap::View;
 use rilievo_render::light::{Environment, EnvironmentPlacement, Light, PointLight, SunLight, Up};
 use rilievo_render::{
-    Filter, FilterKind, Integrator, Material, Reflectance, RenderSettings, SamplerKind,
+    Filter, FilterKind, Integrator, Material, Projection, Reflectance, RenderSettings, SamplerKind,
 };
 
 fn root() -> PathBuf {
@@ -111,6 +111,18 @@ fn the_gallery_is_loaded() {
 }
 
 #[test]
+fn an_f_stop_is_that_of_a_small_camera() {
+    let loaded = load(&root().join("tests/scenes/valid/orthographic.toml")).unwrap();
+    let camera = loaded.scene.camera();
+    assert_eq!(camera.projection(), Projection::Orthographic { height: 2.5 });
+    // 40 degrees over 24 mm: a focal length of 33 mm, an opening of 11.8 mm at f/2.8.
+    let edge = camera.sample(4.0, 4.0, DVec2::new(0.0, 0.5), 0.0).origin;
+    let radius = (edge - camera.ray(4.0, 4.0).origin).length();
+    let focal = 0.012 / 20_f64.to_radians().tan();
+    assert!((radius - 0.5 * focal / 2.8).abs() < 1e-12 && (radius - 0.0059).abs() < 1e-4);
+}
+
+#[test]
 fn every_key_arrives() {
     let loaded = load(&root().join("tests/scenes/valid/everything.toml")).unwrap();
     let scene = &loaded.scene;
@@ -120,6 +132,7 @@ fn every_key_arrives() {
         (camera.up, camera.fov, camera.resolution),
         (DVec3::new(0.0, 0.1, 1.0), 35.0, [24, 16])
     );
+    assert!(scene.camera().has_lens() && scene.camera().moves());
     let want = RenderSettings {
         integrator: Integrator::Aov,
         samples: 2,

@@ -14,7 +14,7 @@
 //! let text = "[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfvo = 40\n";
 //! let error = SceneFile::parse(text, Path::new("scene.toml")).unwrap_err();
 //! assert_eq!(error.to_string(), "\
-//! scene.toml:4:1: camera: unknown key `fvo`; did you mean `fov`?; allowed: position, look_at, up, fov, resolution
+//! scene.toml:4:1: camera: unknown key `fvo`; did you mean `fov`?; allowed: position, look_at, up, fov, resolution, projection, height, aperture, f_stop, focus_distance, blades, blade_rotation, motion, shutter
 //!   |
 //! 4 | fvo = 40
 //!   | ^^^");

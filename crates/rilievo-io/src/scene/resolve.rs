@@ -11,7 +11,7 @@ use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::light::{Environment, Light};
 use rilievo_render::texture::{ColourImage, Texture};
-use rilievo_render::{Camera, CameraError, Material, Reflectance, Scene, SceneParts};
+use rilievo_render::{Camera, Material, Reflectance, Scene, SceneParts};
 
 use super::file::{
     Diffuse, DisplacementEntry, EnvironmentEntry, MaterialEntry, Normals, QuadEntry, SceneFile,
@@ -130,14 +130,7 @@ impl SceneFile {
     }
 
     fn load_camera(&self) -> Result<Camera> {
-        let entry = &self.camera;
-        Camera::new(entry.parts).map_err(|e| {
-            let (at, what, allowed) = match e {
-                CameraError::NoDirection => {
-                    (&entry.look_at, "camera.look_at", "a point other than `position`")
-                }
-                _ => (&entry.up, "camera.up", "a direction that is not that of the view"),
-            };
+        self.camera.build().map_err(|(e, at, [what, allowed])| {
             self.invalid(at, what, e.to_string(), allowed.to_owned())
         })
     }

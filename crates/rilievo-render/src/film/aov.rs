@@ -21,7 +21,7 @@ pub enum Aov {
     Height,
     /// Work: pyramid or BVH nodes, cells and steps, added up.
     Steps,
-    /// Depth along the view axis, scene units.
+    /// Depth along the view axis, of a panorama the distance; scene units.
     Z,
     /// Diffuse reflectance plus `reflective`.
     Albedo,

@@ -50,7 +50,7 @@ fn value(aov: Aov, scene: &Scene, hit: &Hit, work: u64) -> DVec3 {
         Aov::Uv => hit.uv.extend(0.0),
         Aov::Height => DVec3::new(hit.height, 0.0, 0.0),
         Aov::Steps => DVec3::new(work as f64, 0.0, 0.0),
-        // Camera rays have length 1 along the view axis: see `Camera::ray`.
+        // Camera rays have length 1 along the view axis, but of a panorama: see `Camera::ray`.
         Aov::Z => DVec3::new(hit.t, 0.0, 0.0),
         Aov::Albedo => albedo(scene, hit),
     }

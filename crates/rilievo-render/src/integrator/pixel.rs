@@ -10,7 +10,7 @@ use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::{Aov, PixelMut};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene};
 
 /// Camera rays of a pixel that are traced as one packet.
 const PACKET: usize = 16;
@@ -60,14 +60,18 @@ impl<'a> PixelTracer<'a> {
             self.packet.rays.clear();
             self.packet.weights.clear();
             self.packet.numbers.clear();
-            for strand in strands.clone() {
-                let Strand { index, count } = strand;
+            let camera = self.scene.camera();
+            for Strand { index, count } in strands.clone() {
                 let mut numbers =
                     PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
                 let u = match (self.pixel_centers, &self.paths) {
                     (true, _) => None,
-                    (false, Some(_)) => Some(numbers.two()),
-                    (false, None) => Some(self.table.point(Dimension::Pixel, strand)),
+                    (false, Some(_)) => Some(CameraNumbers::of(camera, |_| numbers.two())),
+                    (false, None) => {
+                        let strand = Strand { index, count };
+                        let table = &mut self.table;
+                        Some(CameraNumbers::of(camera, |what| table.point(what, strand)))
+                    }
                 };
                 let (ray, weight) = self.camera_ray(pixel, index, u);
                 self.packet.rays.push(ray);
@@ -107,16 +111,40 @@ impl<'a> PixelTracer<'a> {
         }
     }
 
-    /// The camera ray of sample `index` of `pixel`, at its centre or where `u` falls, and the sample's
-    /// weight.
-    fn camera_ray(&self, pixel: [u32; 2], index: u64, u: Option<DVec2>) -> (Ray, f64) {
-        let mut place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-        let mut weight = 1.0;
-        if let Some(u) = u {
-            let sample = self.scene.settings().filter.sample(index, u);
-            (place, weight) = (place + sample.offset, sample.weight);
-        }
-        (self.scene.camera().ray(place.x, place.y), weight)
+    /// The camera ray of sample `index` of `pixel`, at its centre or where `numbers` say, and the
+    /// sample's weight.
+    fn camera_ray(
+        &self,
+        pixel: [u32; 2],
+        index: u64,
+        numbers: Option<CameraNumbers>,
+    ) -> (Ray, f64) {
+        let camera = self.scene.camera();
+        let place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+        let Some(CameraNumbers { filter, lens, time }) = numbers else {
+            return (camera.ray(place.x, place.y), 1.0);
+        };
+        let sample = self.scene.settings().filter.sample(index, filter);
+        let place = place + sample.offset;
+        (camera.sample(place.x, place.y, lens, time), sample.weight)
+    }
+}
+
+/// What a camera ray depends on, beside its pixel.
+struct CameraNumbers {
+    filter: DVec2,
+    lens: DVec2,
+    time: f64,
+}
+
+impl CameraNumbers {
+    /// As many numbers as a camera asks for: a pinhole at rest needs those of the filter only.
+    fn of(camera: &Camera, mut draw: impl FnMut(Dimension) -> DVec2) -> Self {
+        let filter = draw(Dimension::Pixel);
+        let lens =
+            if camera.has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
+        let time = if camera.moves() { draw(Dimension::Time).x } else { 0.0 };
+        Self { filter, lens, time }
     }
 }
 

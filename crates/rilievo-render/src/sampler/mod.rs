@@ -26,6 +26,10 @@ use glam::DVec2;
 pub enum Dimension {
     /// The place in the pixel.
     Pixel,
+    /// The place on the lens.
+    Lens,
+    /// The time, by the first coordinate.
+    Time,
     /// The point on a light, by its index in the scene.
     Light {
         /// Bounces before.
@@ -65,6 +69,8 @@ impl Sampler {
             Dimension::Light { depth, light } => (1, u64::from(depth) << 32 | u64::from(light)),
             Dimension::Gloss { depth } => (2, u64::from(depth)),
             Dimension::Bounce { depth } => (3, u64::from(depth)),
+            Dimension::Lens => (4, 0),
+            Dimension::Time => (5, 0),
         };
         let (nx, ny) = grid(count.max(1));
         let key = hash(hash(hash(self.key, kind), detail), count);

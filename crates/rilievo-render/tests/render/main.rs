@@ -1,5 +1,6 @@
 //! Whole renders, through the public interface.
 
+mod cameras;
 mod closed_forms;
 mod determinism;
 mod interreflection;

@@ -2,6 +2,7 @@
 //!
 //! Nothing is opened and no name is looked up here; see [`super::resolve`].
 
+mod camera;
 mod instances;
 mod light;
 mod map;
@@ -20,6 +21,7 @@ use super::syntax::{Document, Located, Table};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
 
+pub(super) use camera::CameraEntry;
 pub(super) use instances::InstanceEntry;
 pub(super) use light::EnvironmentEntry;
 pub(super) use map::{MapEntry, MapSource};
@@ -28,7 +30,7 @@ pub(super) use shape::{
     DisplacementEntry, MeshEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry,
 };
 pub(super) use terrain::GroundEntry;
-pub(super) use view::{CameraEntry, RenderEntry};
+pub(super) use view::RenderEntry;
 
 /// A scene file, read and checked by itself.
 #[derive(Clone, Debug)]

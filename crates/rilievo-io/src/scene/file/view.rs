@@ -1,11 +1,9 @@
-//! `[camera]` and `[render]`.
+//! `[render]`, and what many tables hold: points and colours.
 
 use rilievo::glam::DVec3;
 use rilievo::relief::Method;
 use rilievo_render::film::tonemap::{ToneMap, View};
-use rilievo_render::{
-    Camera, CameraParts, Filter, FilterKind, Integrator, RenderSettings, SamplerKind,
-};
+use rilievo_render::{Filter, FilterKind, Integrator, RenderSettings, SamplerKind};
 
 use super::super::syntax::{Table, Value};
 use crate::error::Result;
@@ -27,44 +25,6 @@ pub(super) fn colour(value: &Value<'_>) -> Result<DVec3> {
         *slot = channel.number_in(0.0.., "a number of at least 0")?;
     }
     Ok(DVec3::from_array(rgb))
-}
-
-/// What `[camera]` says.
-#[derive(Clone, Debug)]
-pub(in super::super) struct CameraEntry {
-    pub parts: CameraParts,
-    /// Where `look_at` and `up`, or the table, stand.
-    pub look_at: std::ops::Range<usize>,
-    pub up: std::ops::Range<usize>,
-}
-
-impl CameraEntry {
-    pub fn read(table: &Table<'_>) -> Result<Self> {
-        let position = table.require("position")?;
-        let look_at = table.require("look_at")?;
-        let (up, fov) = (table.get("up"), table.get("fov"));
-        let resolution = table.get("resolution");
-        table.finish()?;
-        let mut parts = CameraParts {
-            position: point(&position)?,
-            look_at: point(&look_at)?,
-            up: DVec3::Z,
-            fov: 40.0,
-            resolution: [512, 512],
-        };
-        if let Some(up) = &up {
-            parts.up = point(up)?;
-        }
-        if let Some(fov) = fov {
-            let allowed = "a number above 0 and below 180 (degrees)";
-            parts.fov = fov.number_in(f64::MIN_POSITIVE..180.0, allowed)?;
-        }
-        if let Some(resolution) = resolution {
-            parts.resolution = resolution.integers(1..=Camera::MAX_RESOLUTION)?;
-        }
-        let up = up.map_or_else(|| table.at(), |up| up.at());
-        Ok(Self { parts, look_at: look_at.at(), up })
-    }
 }
 
 /// What `[render]` says.

@@ -1,3 +1,5 @@
+//! Rays of every kind of camera against what they should be.
+
 use super::*;
 use crate::sampler::chi_square::independent_points;
 
