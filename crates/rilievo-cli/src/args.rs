@@ -17,6 +17,7 @@ use rilievo::relief::Method;
 use rilievo_render::film::tonemap::View;
 use rilievo_render::{Aov, FilterKind, Integrator, SamplerKind};
 
+use crate::denoise::Denoiser;
 use rilievo_io::image::Stored;
 use value::{PicturePath, PngPath};
 
@@ -104,6 +105,13 @@ pub struct RenderArgs {
     /// Cut an EXR into square tiles of so many pixels a side [default: lines].
     #[arg(long, value_name = "PIXELS", value_parser = value::tiles)]
     pub tiles: Option<u32>,
+    /// Take the noise off: an own filter, or oidn (Intel Open Image Denoise). An EXR keeps the noisy
+    /// colour beside it, as Noisy.R, G and B, and the layers Albedo and Ns.
+    #[arg(
+        long, value_name = "FILTER", value_enum, num_args = 0..=1, require_equals = true,
+        default_missing_value = "own"
+    )]
+    pub denoise: Option<Denoiser>,
     /// How a PNG shows light beyond white [default: the scene's].
     #[arg(long, value_parser = value::view())]
     pub view: Option<View>,
@@ -332,6 +340,8 @@ Examples:
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o out.exr --exr half --tiles 64
+  rilievo render scene.toml -o out.png --samples 16 --denoise
+  rilievo render scene.toml -o out.exr --samples 16 --denoise=oidn
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
   rilievo render scene.toml -o steps.png --integrator aov --aov Steps --method distance
   rilievo render scene.toml -o draft.png --time-limit 10 --json";

@@ -6,8 +6,9 @@ use std::path::Path;
 use rilievo::map::DistanceKind;
 use rilievo_io::Limits;
 use rilievo_io::scene::{DistanceBuild, LoadOptions, LoadedScene, SceneFile};
+use rilievo_render::denoise;
 use rilievo_render::film::tonemap::ToneMap;
-use rilievo_render::{MemoryUse, RenderOptions, RenderSettings, Scene};
+use rilievo_render::{Aov, MemoryUse, RenderOptions, RenderSettings, Scene};
 
 use crate::args::{RenderArgs, Talk};
 use crate::memory::predicted_bytes;
@@ -23,6 +24,8 @@ pub struct RenderJob {
     pub scene: Scene,
     pub kind: PictureKind,
     pub tone_map: ToneMap,
+    /// Layers to render: those of the picture, and those that a denoiser needs.
+    layers: Vec<Aov>,
     pub memory: MemoryUse,
     pub predicted_bytes: u64,
     /// Camera rays per pixel.
@@ -72,8 +75,19 @@ impl RenderJob {
         }
         let kind = PictureKind::new(args.output.format, settings.integrator, &args.aov)
             .map_err(|why| Failure::Usage(why.to_owned()))?;
+        let mut layers = kind.layers().to_vec();
+        if let Some(denoiser) = args.denoise {
+            denoiser.check()?;
+            if !kind.has_colour() {
+                return Err(Failure::Usage(
+                    "a picture of layers alone has no noise to take off".into(),
+                ));
+            }
+            layers.extend(denoise::GUIDES.iter().filter(|guide| !kind.layers().contains(guide)));
+        }
         let mut job = Self {
             kind,
+            layers,
             tone_map,
             memory: MemoryUse::default(),
             predicted_bytes: 0,
@@ -86,6 +100,9 @@ impl RenderJob {
         job.memory = MemoryUse::predict(&job.scene, &job.options());
         let resolution = job.scene.camera().resolution();
         job.predicted_bytes = predicted_bytes(&job.memory, resolution, &job.kind);
+        if args.denoise.is_some() {
+            job.predicted_bytes += denoise::predicted_bytes(resolution);
+        }
         match args.max_memory {
             Some(most) if job.predicted_bytes > most => Err(Failure::Refused(format!(
                 "this render needs about {}; --max-memory allows {}",
@@ -101,7 +118,7 @@ impl RenderJob {
         RenderOptions {
             threads: self.threads,
             pixel_centers: self.pixel_centers,
-            aovs: self.kind.layers(),
+            aovs: &self.layers,
             ..RenderOptions::default()
         }
     }

@@ -5,6 +5,7 @@
 mod args;
 mod bake;
 mod check;
+mod denoise;
 mod diff;
 mod info;
 mod interrupt;

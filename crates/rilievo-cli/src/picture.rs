@@ -7,6 +7,7 @@ use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::{Aov, Camera, Film, Integrator, RenderSettings};
 
 use crate::args::value::{PictureFormat, PicturePath};
+use crate::denoise::Denoiser;
 
 /// What a picture shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,6 +61,11 @@ impl PictureKind {
         }
     }
 
+    /// Whether it shows the colour.
+    pub fn has_colour(&self) -> bool {
+        matches!(self, Self::Colour | Self::Channels { colour: true, .. })
+    }
+
     /// Bytes a pixel that writing takes, at most: the codes or the compressed channels.
     pub fn bytes_per_pixel(&self) -> u64 {
         match self {
@@ -79,6 +85,8 @@ pub struct Finished<'a> {
     pub kind: &'a PictureKind,
     /// How a PNG shows the colour.
     pub tone_map: ToneMap,
+    /// The colour without noise, and what took it off.
+    pub denoised: Option<(Vec<[f32; 3]>, Denoiser)>,
     /// How an EXR keeps samples.
     pub stored: Stored,
     /// How an EXR is cut up.
@@ -98,7 +106,7 @@ impl Finished<'_> {
         let (film, path) = (self.film, &output.path);
         match self.kind {
             PictureKind::Colour => {
-                write_png_rgb8(path, film.resolution(), &self.tone_map.image8(film))
+                write_png_rgb8(path, film.resolution(), &self.tone_map.image8(self.colour()))
             }
             PictureKind::Layer(aov) => {
                 let pixels = film.layer(*aov).map(false_colour).unwrap_or_default();
@@ -106,6 +114,11 @@ impl Finished<'_> {
             }
             PictureKind::Channels { colour, .. } => self.write_channels(path, *colour),
         }
+    }
+
+    /// The colour to show.
+    fn colour(&self) -> &[[f32; 3]] {
+        self.denoised.as_ref().map_or(self.film.radiance(), |(colour, _)| colour)
     }
 
     fn write_channels(
@@ -118,11 +131,11 @@ impl Finished<'_> {
         let blocks = self.blocks;
         let mut picture = Picture { width, height, blocks, attributes, ..Picture::default() };
         if colour {
-            picture.push_interleaved(
-                &["R", "G", "B"],
-                self.film.radiance().as_flattened(),
-                self.stored,
-            );
+            picture.push_interleaved(&["R", "G", "B"], self.colour().as_flattened(), self.stored);
+            if self.denoised.is_some() {
+                let (names, noisy) = (["Noisy.R", "Noisy.G", "Noisy.B"], self.film.radiance());
+                picture.push_interleaved(&names, noisy.as_flattened(), self.stored);
+            }
         }
         for layer in self.film.layers() {
             picture.push_interleaved(
@@ -172,7 +185,9 @@ impl Finished<'_> {
             text("rilievo/filter", settings.filter.kind.to_string()),
             matrix("worldToCamera", camera),
         ];
-        own.into_iter().chain(ndc).collect()
+        let denoiser = self.denoised.as_ref();
+        let denoiser = denoiser.map(|(_, by)| text("rilievo/denoiser", by.name().to_owned()));
+        own.into_iter().chain(ndc).chain(denoiser).collect()
     }
 }
 

@@ -76,8 +76,13 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     // A picture without a single pixel is worth less than the one that is there.
     let kept = share == 0.0 && output.path.exists();
     if !kept {
+        let denoised = match args.denoise {
+            Some(denoiser) => Some((denoiser.run(&film, args.threads)?, denoiser)),
+            None => None,
+        };
         let finished = Finished {
             film: &film,
+            denoised,
             kind: &job.kind,
             tone_map: job.tone_map,
             stored: args.exr,

@@ -7,6 +7,7 @@
 //! | [`map_file`] | baked normals, distances, min-max bounds | the same |
 //! | [`mesh`] | models: OBJ with MTL, PLY, glTF, GLB | |
 //! | [`scene`] | TOML scenes, with all the files they name | |
+//! | [`tev`] | | to the viewer tev, over TCP |
 //! | [`texture_set`] | folders of maps, by their names | |
 //!
 //! Nothing here trusts a file. Sizes are checked against [`Limits`] before memory is asked for,
@@ -25,6 +26,7 @@ mod limits;
 pub mod map_file;
 pub mod mesh;
 pub mod scene;
+pub mod tev;
 pub mod texture_set;
 
 pub use error::{Error, Excerpt, Fault, Place, Result};

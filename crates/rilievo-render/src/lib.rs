@@ -44,6 +44,7 @@
 //! - [`light`]: the emitters that are sampled.
 //! - [`sampler`]: absolute (pixel, sample, dimension) to numbers, and warps with their densities.
 //! - [`integrator`]: what is estimated at a pixel.
+//! - [`mod@denoise`]: noise averaged away, edges kept.
 //! - [`film`]: the image, pixel filters, tone mapping, false colours.
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
 //! - [`memory`]: what a render will hold.
@@ -52,6 +53,7 @@
 
 pub mod bsdf;
 pub mod colour;
+pub mod denoise;
 pub mod film;
 pub mod integrator;
 pub mod light;

@@ -36,6 +36,49 @@ fn pictures_are_written_in_both_formats() {
 }
 
 #[test]
+fn a_denoised_picture_keeps_the_noisy_one_beside_it() {
+    let folder = Folder::new().with_scene();
+    folder.run("render scene.toml -o noisy.exr --aov P").expect(0);
+    folder.run("render scene.toml -o a.exr --aov P --denoise --threads 1").expect(0);
+    folder.run("render scene.toml -o b.exr --aov P --denoise=own --threads 3").expect(0);
+    assert_eq!(folder.bytes("a.exr"), folder.bytes("b.exr"));
+    let (noisy, both) = (read(&folder, "noisy.exr"), read(&folder, "a.exr"));
+    let samples = |image: &ChannelImage, name: &str| image.channel(name).unwrap().samples.clone();
+    for name in ["R", "G", "B"] {
+        assert_eq!(samples(&both, &format!("Noisy.{name}")), samples(&noisy, name));
+        assert_ne!(samples(&both, name), samples(&noisy, name));
+    }
+    assert!(both.channel("Albedo.R").is_some() && both.channel("Ns.X").is_some());
+    assert_eq!(both.attribute("rilievo/denoiser"), Some(&Attribute::Text("own".to_owned())));
+    folder.run("render scene.toml -o noisy.png").expect(0);
+    folder.run("render scene.toml -o a.png --denoise").expect(0);
+    assert_ne!(folder.bytes("a.png"), folder.bytes("noisy.png"));
+}
+
+#[test]
+fn exr_files_hold_halves_tiles_and_the_camera() {
+    let folder = Folder::new().with_scene();
+    folder.run("render scene.toml -o float.exr --aov P,N").expect(0);
+    folder.run("render scene.toml -o half.exr --aov P,N --exr half --tiles 16").expect(0);
+    let (float, half) = (read(&folder, "float.exr"), read(&folder, "half.exr"));
+    for (a, b) in float.channels.iter().zip(&half.channels) {
+        assert_eq!(a.name, b.name);
+        if a.name.starts_with('P') {
+            let bits = |s: &[f32]| s.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&a.samples), bits(&b.samples));
+        } else {
+            let near = |(a, b): (&f32, &f32)| (a - b).abs() <= a.abs() / 2048.0 + 1e-7;
+            assert!(a.samples.iter().zip(&b.samples).all(near), "{}", a.name);
+        }
+    }
+    assert!(folder.bytes("half.exr").len() < folder.bytes("float.exr").len());
+    assert!(matches!(half.attribute("worldToNDC"), Some(Attribute::Matrix(_))));
+    let Some(Attribute::Matrix(rows)) = half.attribute("worldToCamera") else { panic!() };
+    // Where the camera is becomes the origin: row vectors, so the last row is the translation.
+    assert_eq!(rows[3][3], 1.0);
+}
+
+#[test]
 fn flags_override_the_scene() {
     let folder = Folder::new().with_scene();
     let words = "render scene.toml -o a.exr --resolution 20x10 --samples 3 --seed 7 --json --quiet";

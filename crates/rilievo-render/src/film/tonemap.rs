@@ -21,7 +21,6 @@ use std::str::FromStr;
 use glam::DMat3;
 
 use crate::colour::{Rgb, srgb_from_linear};
-use crate::film::Film;
 
 /// How light is brought into the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -118,9 +117,9 @@ impl ToneMap {
         shown.to_array().map(|c| (c * 255.0 + 0.5) as u8)
     }
 
-    /// 8-bit sRGB codes of an image, row by row from the top left.
-    pub fn image8(&self, film: &Film) -> Vec<[u8; 3]> {
-        film.radiance().iter().map(|&rgb| self.rgb8(rgb)).collect()
+    /// 8-bit sRGB codes of the pixels of an image, in their order.
+    pub fn image8(&self, pixels: &[[f32; 3]]) -> Vec<[u8; 3]> {
+        pixels.iter().map(|&rgb| self.rgb8(rgb)).collect()
     }
 }
 

@@ -141,8 +141,7 @@ impl CameraNumbers {
     /// As many numbers as a camera asks for: a pinhole at rest needs those of the filter only.
     fn of(camera: &Camera, mut draw: impl FnMut(Dimension) -> DVec2) -> Self {
         let filter = draw(Dimension::Pixel);
-        let lens =
-            if camera.has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
+        let lens = if camera.has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
         let time = if camera.moves() { draw(Dimension::Time).x } else { 0.0 };
         Self { filter, lens, time }
     }
