@@ -1,6 +1,7 @@
 //! `cargo xtask`: development commands.
 //!
 //! * `cargo xtask ci` runs everything that gates a change, in the order in which it fails fastest.
+//! * `cargo xtask reference` writes the tables of keys in docs/SCENE.md from those of the parser.
 //! * `cargo xtask figures` draws the pictures and measures the tables of `docs`.
 //! * `cargo xtask tidy` checks the house rules that neither rustc nor clippy knows.
 //!
@@ -10,13 +11,14 @@
 
 mod ci;
 mod figures;
+mod reference;
 mod tidy;
 
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask <ci | tidy | figures [--quick] [PART...]>";
+const USAGE: &str = "usage: cargo xtask <ci | tidy | reference | figures [--quick] [PART...]>";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
     let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["ci"] => ci::run(root),
         ["tidy"] => tidy::run(root),
+        ["reference"] => reference::run(root),
         ["figures", ref words @ ..] => match figures::run(root, words) {
             Ok(passed) => passed,
             Err(why) => {

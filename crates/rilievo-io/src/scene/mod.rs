@@ -22,6 +22,7 @@
 
 mod file;
 mod instances;
+mod keys;
 mod load_map;
 mod models;
 mod options;
@@ -34,6 +35,7 @@ mod syntax;
 mod terrain;
 
 pub use file::SceneFile;
+pub use keys::{Key, SECTIONS, Section, reference};
 pub use options::{DistanceBuild, LoadOptions};
 pub use relief_sphere::LoadedSphereMap;
 pub use resolve::{LoadedMap, LoadedScene};
