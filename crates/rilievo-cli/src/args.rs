@@ -14,11 +14,12 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
+use rilievo_io::image::Stored;
+use rilievo_io::tev::TEV_ADDRESS;
 use rilievo_render::film::tonemap::View;
 use rilievo_render::{Aov, FilterKind, Integrator, SamplerKind};
 
 use crate::denoise::Denoiser;
-use rilievo_io::image::Stored;
 use value::{PicturePath, PngPath};
 
 /// Ray-traces displacement-mapped surfaces without tessellating them.
@@ -48,85 +49,114 @@ pub enum Command {
     Diff(DiffArgs),
 }
 
+/// What flags of `render` are about, as its help groups them.
+const PICTURE: &str = "Picture";
+const SAMPLES: &str = "Samples";
+const WALK: &str = "Walk";
+const LIMITS: &str = "Limits";
+const WATCH: &str = "While it runs";
+
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     /// Scene file (TOML), the folder of a texture set, a model (OBJ, PLY, glTF, GLB) or a height map.
     pub scene: PathBuf,
     /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
-    #[arg(short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser())]
+    #[arg(
+        short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser(),
+        help_heading = PICTURE
+    )]
     pub output: PicturePath,
     /// Camera rays per pixel [default: the scene's].
-    #[arg(long, value_name = "N", value_parser = value::samples)]
+    #[arg(long, value_name = "N", value_parser = value::samples, help_heading = SAMPLES)]
     pub samples: Option<u32>,
     /// Pixels, as 640x400 [default: the scene's].
-    #[arg(long, value_name = "WxH", value_parser = value::resolution)]
+    #[arg(long, value_name = "WxH", value_parser = value::resolution, help_heading = PICTURE)]
     pub resolution: Option<[u32; 2]>,
     /// What is estimated [default: the scene's].
-    #[arg(long, value_parser = value::integrator())]
+    #[arg(long, value_parser = value::integrator(), help_heading = SAMPLES)]
     pub integrator: Option<Integrator>,
     /// Where the numbers of paths come from [default: the scene's]. The integrator distributed takes
     /// its own.
-    #[arg(long, value_parser = value::sampler())]
+    #[arg(long, value_parser = value::sampler(), help_heading = SAMPLES)]
     pub sampler: Option<SamplerKind>,
     /// How rays are walked through every relief [default: each shape's own]. Distance maps that a
     /// method needs are built before rendering.
-    #[arg(long, value_parser = value::method())]
+    #[arg(long, value_parser = value::method(), help_heading = WALK)]
     pub method: Option<Method>,
     /// How the bounds of every map are stored: default (0.27 byte a texel) or tiny (0.15) [default:
     /// each map's own]. The picture does not depend on it.
-    #[arg(long, value_parser = value::layout())]
+    #[arg(long, value_parser = value::layout(), help_heading = WALK)]
     pub layout: Option<Layout>,
     /// Vector instructions of the walk [default: the fastest this processor has]. The picture does
     /// not depend on it.
-    #[arg(long, value_name = "LEVEL", value_parser = value::simd())]
+    #[arg(long, value_name = "LEVEL", value_parser = value::simd(), help_heading = WALK)]
     pub simd: Option<SimdLevel>,
     /// What does the work.
-    #[arg(long, value_enum, default_value_t = Backend::Cpu)]
+    #[arg(long, value_enum, default_value_t = Backend::Cpu, help_heading = WALK)]
     pub backend: Backend,
     /// Threads; 0 takes one per processor. The picture does not depend on it.
-    #[arg(long, value_name = "N", default_value = "0", value_parser = value::threads)]
+    #[arg(
+        long, value_name = "N", default_value = "0", value_parser = value::threads,
+        help_heading = LIMITS
+    )]
     pub threads: usize,
     /// Seed of every random choice [default: the scene's].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = SAMPLES)]
     pub seed: Option<u64>,
     /// Layers of the first hit to store beside the colour, parted by commas. Alone with the
     /// integrator aov: all of them in an EXR; the first as the picture in a PNG.
-    #[arg(long, value_name = "LAYERS", value_delimiter = ',', value_parser = value::aov())]
+    #[arg(
+        long, value_name = "LAYERS", value_delimiter = ',', value_parser = value::aov(),
+        help_heading = PICTURE
+    )]
     pub aov: Vec<Aov>,
     /// Pixel filter [default: the scene's].
-    #[arg(long, value_parser = value::filter())]
+    #[arg(long, value_parser = value::filter(), help_heading = SAMPLES)]
     pub filter: Option<FilterKind>,
     /// Radius of the filter [default: the scene's; of --filter 0.5, 1, 1.5, 2, 1.5].
-    #[arg(long, value_name = "PIXELS", value_parser = value::filter_radius)]
+    #[arg(long, value_name = "PIXELS", value_parser = value::filter_radius, help_heading = SAMPLES)]
     pub filter_radius: Option<f64>,
     /// Samples of an EXR: float, or half for colours and normals. P, UV, Z, Height and Steps stay float.
-    #[arg(long, value_name = "SAMPLES", default_value = "float", value_parser = value::stored())]
+    #[arg(
+        long, value_name = "SAMPLES", default_value = "float", value_parser = value::stored(),
+        help_heading = PICTURE
+    )]
     pub exr: Stored,
     /// Cut an EXR into square tiles of so many pixels a side [default: lines].
-    #[arg(long, value_name = "PIXELS", value_parser = value::tiles)]
+    #[arg(long, value_name = "PIXELS", value_parser = value::tiles, help_heading = PICTURE)]
     pub tiles: Option<u32>,
     /// Take the noise off: an own filter, or oidn (Intel Open Image Denoise). An EXR keeps the noisy
     /// colour beside it, as Noisy.R, G and B, and the layers Albedo and Ns.
     #[arg(
         long, value_name = "FILTER", value_enum, num_args = 0..=1, require_equals = true,
-        default_missing_value = "own"
+        default_missing_value = "own", help_heading = PICTURE
     )]
     pub denoise: Option<Denoiser>,
     /// How a PNG shows light beyond white [default: the scene's].
-    #[arg(long, value_parser = value::view())]
+    #[arg(long, value_parser = value::view(), help_heading = PICTURE)]
     pub view: Option<View>,
     /// Exposure of a PNG in stops [default: the scene's].
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = value::exposure)]
+    #[arg(
+        long, value_name = "STOPS", allow_negative_numbers = true, value_parser = value::exposure,
+        help_heading = PICTURE
+    )]
     pub exposure: Option<f64>,
     /// One ray through the centre of each pixel: no jitter, no filter, whatever --samples says.
-    #[arg(long)]
+    #[arg(long, help_heading = SAMPLES)]
     pub pixel_centers: bool,
     /// Refuse to render if more memory than this would be needed, as 512M or 2G.
-    #[arg(long, value_name = "BYTES", value_parser = value::bytes)]
+    #[arg(long, value_name = "BYTES", value_parser = value::bytes, help_heading = LIMITS)]
     pub max_memory: Option<u64>,
     /// Stop rendering after this time, save what is done, exit with 4.
-    #[arg(long, value_name = "SECONDS", value_parser = value::seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = value::seconds, help_heading = LIMITS)]
     pub time_limit: Option<Duration>,
+    /// Show the picture on its way in the viewer tev, at --tev=HOST:PORT or where tev listens by
+    /// default, 127.0.0.1:14158.
+    #[arg(
+        long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = TEV_ADDRESS, help_heading = WATCH
+    )]
+    pub tev: Option<String>,
     #[command(flatten)]
     pub talk: Talk,
 }
@@ -141,10 +171,10 @@ pub enum Backend {
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Talk {
     /// Print one JSON object as the last line of standard output.
-    #[arg(long)]
+    #[arg(long, help_heading = WATCH)]
     pub json: bool,
     /// No progress and no report on standard error; errors are still printed.
-    #[arg(long, short)]
+    #[arg(long, short, help_heading = WATCH)]
     pub quiet: bool,
 }
 
@@ -341,6 +371,7 @@ Examples:
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o out.exr --exr half --tiles 64
   rilievo render scene.toml -o out.png --samples 16 --denoise
+  rilievo render scene.toml -o out.exr --samples 1024 --tev
   rilievo render scene.toml -o out.exr --samples 16 --denoise=oidn
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
   rilievo render scene.toml -o steps.png --integrator aov --aov Steps --method distance

@@ -10,6 +10,7 @@ mod diff;
 mod info;
 mod interrupt;
 mod job;
+mod live;
 mod memory;
 mod name;
 mod outcome;

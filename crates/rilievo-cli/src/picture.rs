@@ -117,7 +117,7 @@ impl Finished<'_> {
     }
 
     /// The colour to show.
-    fn colour(&self) -> &[[f32; 3]] {
+    pub fn colour(&self) -> &[[f32; 3]] {
         self.denoised.as_ref().map_or(self.film.radiance(), |(colour, _)| colour)
     }
 

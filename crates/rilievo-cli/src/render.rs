@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::args::{Backend, RenderArgs};
 use crate::interrupt::Interrupt;
 use crate::job::RenderJob;
+use crate::live::LiveView;
 use crate::memory::peak_rss_bytes;
 use crate::outcome::{Failure, Outcome};
 use crate::picture::Finished;
@@ -69,7 +70,10 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
     let job = RenderJob::open(args)?;
     let watch = Stopwatch::start();
-    let (film, stats, limited) = render(args, &job, &interrupt)?;
+    let name = args.output.path.display().to_string();
+    let live =
+        LiveView::open(args.tev.as_deref(), &name, job.scene.camera().resolution(), args.talk);
+    let (film, stats, limited) = render(args, &job, (&interrupt, &live))?;
     let rendering = watch.elapsed();
     let share = share_finished(&film);
     let output = &args.output;
@@ -92,6 +96,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
             samples: job.samples,
         };
         finished.write(output)?;
+        live.close(finished.colour());
     }
     let [width, height] = film.resolution();
     let report = Report {
@@ -125,12 +130,14 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
 fn render(
     args: &RenderArgs,
     job: &RenderJob,
-    interrupt: &Interrupt,
+    (interrupt, live): (&Interrupt, &LiveView),
 ) -> Result<(Film, RenderStats, bool), Failure> {
     let [width, height] = job.scene.camera().resolution().map(u64::from);
     let progress = Progress::counted(args.talk.quiet, "rendering", width * height);
     let tell = |done, total| progress.update(done, total);
-    let options = RenderOptions { progress: &tell, cancel: interrupt.flag(), ..job.options() };
+    let watch = |film: &Film| live.watch(film);
+    let options =
+        RenderOptions { watch: &watch, progress: &tell, cancel: interrupt.flag(), ..job.options() };
     let work = || rilievo_render::render(&job.scene, &options);
     let (result, limited) = interrupt.limited(args.time_limit, work);
     drop(progress);

@@ -23,6 +23,8 @@ pub struct RenderOptions<'a> {
     pub aovs: &'a [Aov],
     /// Told (pixels done, pixels in all) after every tile, from any thread.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
+    /// Shown the film as it stands after every tile, from any thread; nobody else writes meanwhile.
+    pub watch: &'a (dyn Fn(&Film) + Sync),
     /// Set it to stop: finished tiles stay, the others are left unfinished.
     pub cancel: &'a AtomicBool,
 }
@@ -38,6 +40,7 @@ impl Default for RenderOptions<'_> {
             pixel_centers: false,
             aovs: &[],
             progress: &|_, _| {},
+            watch: &|_| {},
             cancel: &NO_CANCEL,
         }
     }
@@ -140,7 +143,11 @@ fn render_tile(
             tracer.trace(pixel, &mut pixels.pixel_mut(x, y));
         }
     }
-    lock(&shared.film).insert(tile, &pixels);
+    {
+        let mut film = lock(&shared.film);
+        film.insert(tile, &pixels);
+        (options.watch)(&film);
+    }
     *lock(&shared.rays) += tracer.rays();
     let area = u64::from(tile.size[0]) * u64::from(tile.size[1]);
     let done = shared.done.fetch_add(area, Ordering::Relaxed) + area;

@@ -3,6 +3,7 @@
 mod bad_inputs;
 mod determinism;
 mod diff;
+mod live;
 mod maps;
 mod models;
 mod render;

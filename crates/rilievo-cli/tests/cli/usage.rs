@@ -40,6 +40,7 @@ fn every_help_is_complete_and_ends_with_examples() {
         "--exr",
         "--tiles",
         "--denoise",
+        "--tev",
         "--view",
         "--filter",
         "--filter-radius",

@@ -1,6 +1,6 @@
 //! The tables themselves.
 
-use super::{Key, Section, key};
+use super::{Section, key};
 
 /// All keys.
 #[rustfmt::skip]
@@ -114,7 +114,7 @@ pub const SECTIONS: &[Section] = &[
         key("center", "point", "scene units", "required", "finite"),
         key("radius", "number", "scene units", "required", "above 0"),
         key("displacement", "table", "", "none", "see above and below"),
-        key("method", "string", "with `displacement`", "that of `[render]`", "`\"dda\"`, `\"pyramid\"`"),
+        key("method", "string", "with `displacement`", "that of `[render]`", "an exact one"),
     ] },
     Section { name: "mesh", table: "shapes[]", keys: &[
         key("file", "path", "", "required", "OBJ, PLY, glTF, GLB; without `material` its own materials are taken, see [assets](ASSETS.md)"),
@@ -122,10 +122,10 @@ pub const SECTIONS: &[Section] = &[
             "`\"x\"`, `\"y\"`, `\"z\"`, `\"box\"`, `\"sphere\"`: see [assets](ASSETS.md)"),
         key("smooth", "boolean", "", "`false`", "`true`: faces without normals get angle-weighted ones"),
         key("displacement", "table", "", "none", "see above and below; without it and `material`, that of the file's materials"),
-        key("edges", "string", "for displacement", "`\"shared\"`", "`\"shared\"`, `\"as-authored\"`"),
+        key("edges", "string", "for displacement", "`\"shared\"`", "`\"shared\"`, `\"matched\"`, `\"as-authored\"`"),
         key("closed", "boolean", "with `displacement`", "`false`", "`true`: walls from open borders down to offset 0"),
         key("one_sided", "boolean", "with `displacement`", "`false`", "`true`: rays from behind pass through"),
-        key("method", "string", "with `displacement`", "that of `[render]`", "`\"dda\"`, `\"pyramid\"`"),
+        key("method", "string", "with `displacement`", "that of `[render]`", "an exact one"),
         key("transform", "table", "", "none", "see below"),
     ] },
     Section { name: "motion", table: "camera.motion", keys: &[
