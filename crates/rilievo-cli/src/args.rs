@@ -60,7 +60,7 @@ const WATCH: &str = "While it runs";
 pub struct RenderArgs {
     /// Scene file (TOML), the folder of a texture set, a model (OBJ, PLY, glTF, GLB) or a height map.
     pub scene: PathBuf,
-    /// Picture to write: .exr (linear f32, layers, metadata) or .png (8-bit sRGB).
+    /// Picture to write: .exr (linear, layers, metadata) or .png (8-bit sRGB).
     #[arg(
         short, long, value_name = "OUT.{exr,png}", value_parser = PicturePath::parser(),
         help_heading = PICTURE
@@ -368,6 +368,9 @@ Examples:
   rilievo render scene.toml -o out.png --view agx --exposure -0.5
   rilievo render scene.toml -o out.png --filter blackman-harris --filter-radius 1.5
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
+  rilievo render scene.toml -o out.png --integrator path --sampler sobol --seed 7
+  rilievo render scene.toml -o out.png --layout tiny --simd portable --backend cpu
+  rilievo render scene.toml -o out.png --threads 8 --max-memory 4G --quiet
   rilievo render scene.toml -o out.exr --aov P,N,Height
   rilievo render scene.toml -o out.exr --exr half --tiles 64
   rilievo render scene.toml -o out.png --samples 16 --denoise

@@ -57,6 +57,36 @@ fn every_help_is_complete_and_ends_with_examples() {
 }
 
 #[test]
+fn every_flag_of_render_stands_in_a_group_and_in_an_example() {
+    let help = Folder::new().run("render --help").expect(0).stdout;
+    let (flags, examples) = help.split_once("Examples:\n").unwrap();
+    let (_, flags) = flags.split_once("Options:\n").unwrap();
+    let named = |line: &str| {
+        let (_, rest) = line.split_once("--")?;
+        let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
+        let first = line.trim_start();
+        first.starts_with('-').then(|| rest[..end].to_owned())
+    };
+    let flags: Vec<_> = flags.lines().filter_map(named).collect();
+    assert!(flags.len() > 25, "{flags:?}");
+    for flag in flags.iter().filter(|flag| !["help", "version"].contains(&flag.as_str())) {
+        let short = if flag == "output" { " -o " } else { "" };
+        let long = format!(" --{flag}");
+        let shown = |line: &str| {
+            let after = line.split_once(&long).map(|(_, rest)| rest);
+            after
+                .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_lowercase() || c == '-'))
+        };
+        let found =
+            examples.lines().any(|line| shown(line) || !short.is_empty() && line.contains(short));
+        assert!(found, "--{flag} has no example");
+    }
+    for group in ["Picture:", "Samples:", "Walk:", "Limits:", "While it runs:"] {
+        assert!(help.contains(&format!("\n{group}\n")), "{group}");
+    }
+}
+
+#[test]
 fn nonsense_is_a_usage_error_before_any_work() {
     let folder = Folder::new().with_scene();
     let before = folder.names();

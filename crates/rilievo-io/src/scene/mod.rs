@@ -20,6 +20,8 @@
 //!   | ^^^");
 //! ```
 
+#[cfg(test)]
+mod asked;
 mod file;
 mod instances;
 mod keys;

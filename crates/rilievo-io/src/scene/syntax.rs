@@ -8,6 +8,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+#[cfg(test)]
+use super::asked;
 use crate::error::{Error, Excerpt, Fault, Place, Result};
 
 /// Most characters of a value that a message repeats.
@@ -341,51 +343,6 @@ pub(crate) fn quoted(text: &str) -> String {
         }
     }
     quoted + "\""
-}
-
-/// Which keys a parser asks for, noted in tests: by the place of their table.
-#[cfg(test)]
-pub(super) mod asked {
-    use std::cell::RefCell;
-    use std::collections::{BTreeMap, BTreeSet};
-
-    type Asked = BTreeMap<String, BTreeSet<&'static str>>;
-
-    thread_local! {
-        static ASKED: RefCell<Option<Asked>> = const { RefCell::new(None) };
-    }
-
-    /// From here on this thread takes note.
-    pub fn start() {
-        ASKED.set(Some(Asked::new()));
-    }
-
-    /// What was asked for since.
-    pub fn finish() -> Asked {
-        ASKED.take().unwrap_or_default()
-    }
-
-    pub fn note(table: &str, key: &'static str) {
-        ASKED.with_borrow_mut(|asked| {
-            if let Some(asked) = asked {
-                asked.entry(place(table)).or_default().insert(key);
-            }
-        });
-    }
-
-    /// A table's name without numbers and names of the author's: `maps.NAME`, `shapes[].transform`.
-    fn place(table: &str) -> String {
-        let mut place = String::new();
-        for (depth, word) in table.split('.').enumerate() {
-            let named = depth == 1 && (place == "maps" || place == "materials");
-            let word = if named { "NAME" } else { word };
-            let bare = word.split('[').next().unwrap_or(word);
-            place += if depth > 0 { "." } else { "" };
-            place += bare;
-            place += if word.ends_with(']') { "[]" } else { "" };
-        }
-        place
-    }
 }
 
 #[cfg(test)]

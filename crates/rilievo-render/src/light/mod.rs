@@ -9,7 +9,7 @@
 //! Lights that are no surface are points, spots and suns ([`PointLight`], [`SunLight`]), and an image
 //! of the whole sky ([`Environment`]).
 //!
-//! [`Lighting`] holds all of a scene's light for the path integrator, and chooses among it.
+//! `Lighting` holds all of a scene's light for the path integrator, and chooses among it.
 
 mod bounds;
 mod environment;

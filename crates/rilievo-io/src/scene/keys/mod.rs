@@ -90,8 +90,7 @@ mod tests {
     use std::collections::{BTreeMap, BTreeSet};
     use std::path::Path;
 
-    use super::super::SceneFile;
-    use super::super::syntax::asked;
+    use super::super::{SceneFile, asked};
     use super::*;
 
     /// A shape that the valid scenes of the tests lack.
