@@ -3,6 +3,7 @@
     picture.py size MAP.png                       samples along a side of a square map
     picture.py mean PICTURE                       mean radiance over pixels and channels
     picture.py compare A B                        mean of each, mean and largest difference of 16 x 16 blocks
+    picture.py variance PICTURE...                of a pixel over pictures of other seeds, on average
     picture.py side-by-side OUT.png SIDE PICTURE...
 """
 
@@ -69,6 +70,9 @@ def main():
             print(json.dumps({"size": image.width}))
     elif verb == "mean":
         print(json.dumps({"mean": float(linear(words[0]).mean())}))
+    elif verb == "variance":
+        pictures = numpy.stack([linear(path) for path in words])
+        print(json.dumps({"variance": float(pictures.var(axis=0, ddof=1).mean())}))
     elif verb == "compare":
         a, b = map(linear, words)
         difference = numpy.abs(blocks(a) - blocks(b))
