@@ -45,6 +45,7 @@ impl RenderJob {
             limits,
             method: args.method,
             layout: args.layout,
+            integrator: args.integrator,
             simd: args.simd.unwrap_or_default(),
             ..LoadOptions::default()
         };

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rilievo::glam::{DVec2, DVec3};
+use rilievo::map::Wrap;
 use rilievo::mesh::Mesh;
 use rilievo_io::mesh::{ImageSource, LightKind, Model};
 use rilievo_io::{Error, Limits};
@@ -123,6 +124,43 @@ fn huge_sizes_end_in_an_error_before_memory_is_asked_for() {
     // JSON that is deep or long.
     assert!(read(&"[".repeat(1_000_000), "a.gltf").is_err());
     assert!(matches!(read(&" ".repeat(4 << 20), "a.gltf"), Err(Error::Limit { .. })));
+}
+
+#[test]
+fn layers_of_materials_arrive() {
+    let text = r#"{"asset":{"version":"2.0"},
+      "extensionsUsed":["KHR_texture_transform","KHR_materials_ior","KHR_materials_transmission",
+        "KHR_materials_clearcoat","KHR_materials_sheen","KHR_materials_specular"],
+      "images":[{"uri":"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVQYV2P4z/AfAAQAAf+I0P3MAAAAAElFTkSuQmCC"}],
+      "samplers":[{"wrapS":33071,"wrapT":33648}],
+      "textures":[{"source":0,"sampler":0}],
+      "materials":[{"alphaMode":"BLEND","normalTexture":{"index":0,"scale":0.5},
+        "emissiveTexture":{"index":0},"emissiveFactor":[1,0.5,0],
+        "pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.25],"baseColorTexture":{"index":0,
+          "extensions":{"KHR_texture_transform":{"rotation":1.5707963267948966,"scale":[2,3]}}}},
+        "extensions":{"KHR_materials_ior":{"ior":1.3},
+          "KHR_materials_transmission":{"transmissionFactor":0.5,"transmissionTexture":{"index":0}},
+          "KHR_materials_clearcoat":{"clearcoatFactor":0.75,"clearcoatRoughnessFactor":0.125},
+          "KHR_materials_sheen":{"sheenColorFactor":[0.1,0.2,0.3],"sheenRoughnessFactor":0.4},
+          "KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,0.5,0.5]}}}]}"#;
+    let model =
+        Model::read_bytes(text.as_bytes(), Path::new("a.gltf"), &Limits::default()).unwrap();
+    let m = &model.materials[0];
+    assert_eq!((m.ior, m.transmission, m.thin, m.opacity), (1.3, 0.5, true, 0.25));
+    assert_eq!((m.coat, m.coat_roughness, m.sheen_roughness), (0.75, 0.125, 0.4));
+    assert_eq!((m.sheen, m.specular), (DVec3::new(0.1, 0.2, 0.3), 0.5));
+    assert_eq!((m.emitted, m.normal_strength), (DVec3::new(1.0, 0.5, 0.0), 0.5));
+    assert!(m.emission_map.is_some() && m.transmission_map.is_some());
+    let colour = m.colour_map.as_ref().unwrap();
+    assert_eq!(colour.wrap, [Wrap::Clamp, Wrap::Mirror]);
+    // A quarter turn: u of the image runs with w = 1 - v, and w against u.
+    let place = |uv: DVec2| colour.turn.rotate(uv * colour.tile) + colour.shift;
+    for uv in [DVec2::ZERO, DVec2::ONE, DVec2::new(0.25, 0.5)] {
+        let want = DVec2::new(3.0 * (1.0 - uv.y), 1.0 + 2.0 * uv.x);
+        assert!((place(uv) - want).length() < 1e-12, "{uv}: {}", place(uv));
+    }
+    let note = "/materials/0: the alpha of its image is not used";
+    assert!(model.notes.iter().any(|n| n == note), "{:?}", model.notes);
 }
 
 #[test]

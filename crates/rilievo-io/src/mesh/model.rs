@@ -1,14 +1,13 @@
 //! [`Model`]: what a file of any mesh format holds: triangles, which material each has, and beside
 //! them cameras and lights.
 //!
-//! Materials are kept as the file means them, metalness and maps included, whether or not the
-//! renderer uses them yet.
+//! Materials are kept as the file means them, whether or not the renderer uses all of it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use rilievo::glam::{DVec2, DVec3};
-use rilievo::map::NormalConvention;
+use rilievo::map::{NormalConvention, Wrap};
 use rilievo::mesh::MeshData;
 
 /// Triangle without a material.
@@ -50,10 +49,42 @@ pub struct ModelMaterial {
     pub metalness: f64,
     /// Metalness, an image: its blue channel in glTF.
     pub metalness_map: Option<ImageUse>,
-    /// Radiance of the front.
+    /// Radiance of the front; it multiplies `emission_map`.
     pub emitted: DVec3,
+    /// What the front sends out, an image.
+    pub emission_map: Option<ImageUse>,
+    /// Share of the surface that is there, 0 to 1; it multiplies `opacity_map`.
+    pub opacity: f64,
+    /// Opacity, an image: its red channel.
+    pub opacity_map: Option<ImageUse>,
+    /// Index of refraction.
+    pub ior: f64,
+    /// Factor on the gloss of what is no metal.
+    pub specular: f64,
+    /// Tint of that gloss.
+    pub specular_colour: DVec3,
+    /// Share of what is no metal that is glass, 0 to 1; it multiplies `transmission_map`.
+    pub transmission: f64,
+    /// Transmission, an image: its red channel.
+    pub transmission_map: Option<ImageUse>,
+    /// Whether glass is a sheet without thickness.
+    pub thin: bool,
+    /// Weight of a clear coat, 0 to 1; it multiplies `coat_map`.
+    pub coat: f64,
+    /// Weight of the coat, an image: its red channel.
+    pub coat_map: Option<ImageUse>,
+    /// Roughness of the coat; it multiplies `coat_roughness_map`.
+    pub coat_roughness: f64,
+    /// Roughness of the coat, an image: its green channel.
+    pub coat_roughness_map: Option<ImageUse>,
+    /// Colour of a sheen.
+    pub sheen: DVec3,
+    /// Roughness of the sheen.
+    pub sheen_roughness: f64,
     /// Normals and where their green points.
     pub normal_map: Option<(ImageUse, NormalConvention)>,
+    /// Factor on the slope of those normals.
+    pub normal_strength: f64,
     /// Heights that only bend normals, and their strength.
     pub bump_map: Option<(ImageUse, f64)>,
     /// Heights that move the surface.
@@ -73,22 +104,50 @@ impl Default for ModelMaterial {
             metalness: 0.0,
             metalness_map: None,
             emitted: DVec3::ZERO,
+            emission_map: None,
+            opacity: 1.0,
+            opacity_map: None,
+            ior: 1.5,
+            specular: 1.0,
+            specular_colour: DVec3::ONE,
+            transmission: 0.0,
+            transmission_map: None,
+            thin: false,
+            coat: 0.0,
+            coat_map: None,
+            coat_roughness: 0.0,
+            coat_roughness_map: None,
+            sheen: DVec3::ZERO,
+            sheen_roughness: 0.0,
             normal_map: None,
+            normal_strength: 1.0,
             bump_map: None,
             displacement: None,
         }
     }
 }
 
-/// An image and how it is laid over uv: looked up at `uv * tile + shift`, v upwards.
+/// An image and how it is laid over uv: looked up at `uv * tile`, turned, plus `shift`, v upwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageUse {
     /// Where its bytes are.
     pub source: ImageSource,
     /// Repetitions along u and v.
     pub tile: DVec2,
-    /// Added after tiling.
+    /// Cosine and sine of the angle by which `uv * tile` is turned, from u to v.
+    pub turn: DVec2,
+    /// Added after tiling and turning.
     pub shift: DVec2,
+    /// What lies beyond the borders along u and v.
+    pub wrap: [Wrap; 2],
+}
+
+impl ImageUse {
+    /// The image over `[0, 1]^2`, repeated.
+    pub fn new(source: ImageSource) -> Self {
+        let (tile, turn, shift) = (DVec2::ONE, DVec2::X, DVec2::ZERO);
+        Self { source, tile, turn, shift, wrap: [Wrap::Repeat; 2] }
+    }
 }
 
 /// Where the bytes of an image are.

@@ -7,20 +7,24 @@
 //! | `Ns n` | roughness, where `Pr` does not say it: `(2 / (n + 2))^(1/4)`, the GGX lobe as wide as the Phong lobe \[Walter2007\] |
 //! | `illum n` | below 3 there is no mirror reflectance, whatever `Ks` says: it is a highlight then |
 //! | `Pr x`, `Pm x` | roughness, metalness |
-//! | `map_Kd`, `map_Pr`, `map_Pm` | images of colour, roughness, metalness |
+//! | `Pc x`, `Pcr x`, `Ps x` | coat, its roughness; sheen |
+//! | `d x`, `Tr x` | opacity, or 1 less it |
+//! | `Ni x` | index of refraction |
+//! | `illum 4`, `6`, `7`, `9` | glass |
+//! | `map_Kd`, `map_Ke`, `map_Pr`, `map_Pm`, `map_d` | images of colour, emission, roughness, metalness, opacity |
 //! | `norm` | normal map, green up |
 //! | `map_Bump`, `bump` | heights that only bend normals; `-bm` is their strength |
 //! | `disp`, `map_disp` | displacement: `base + gain * H` along the normal, by `-mm base gain` |
 //!
-//! Images take `-s u v` (repetitions) and `-o u v` (shift): looked up at `uv * s + o`. Other options
+//! Images take `-s u v` (repetitions), `-o u v` (shift), looked up at `uv * s + o`, and `-clamp on`. Other options
 //! are known by their number of words and skipped. The name is what is left of the line, spaces
 //! included. `spectral` and `xyz` colours and other lines are ignored.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glam::{DVec2, DVec3};
-use rilievo::map::NormalConvention;
+use glam::DVec3;
+use rilievo::map::{NormalConvention, Wrap};
 
 use super::model::{ImageSource, ImageUse, ModelDisplacement, ModelMaterial};
 use super::words::Words;
@@ -56,9 +60,18 @@ impl Draft {
     fn finish(self) -> ModelMaterial {
         let shiny = self.shininess.map(|n| (2.0 / (n.max(0.0) + 2.0)).powf(0.25));
         let mirrors = self.illumination.is_some_and(|n| n >= 3.0);
+        // Glass by the illumination models of the format: what is left of `d` is not see-through too.
+        let glass = self.illumination.is_some_and(|n| matches!(n as u32, 4 | 6 | 7 | 9));
+        let emitted = match self.material.emission_map {
+            Some(_) if self.material.emitted == DVec3::ZERO => DVec3::ONE,
+            _ => self.material.emitted,
+        };
         ModelMaterial {
+            transmission: if glass { 1.0 } else { 0.0 },
+            opacity: if glass { 1.0 } else { self.material.opacity },
+            emitted,
             roughness: self.roughness.or(shiny).unwrap_or(1.0).clamp(0.0, 1.0),
-            reflective: if mirrors { self.specular } else { DVec3::ZERO },
+            reflective: if mirrors && !glass { self.specular } else { DVec3::ZERO },
             ..self.material
         }
     }
@@ -98,6 +111,17 @@ impl<'a> Reader<'a> {
             "ke" => material.emitted = colour(all, line, at)?.unwrap_or(material.emitted),
             "ns" => draft.shininess = Some(number("a number of at least 0")?[0]),
             "illum" => draft.illumination = Some(number("a number from 0 to 10")?[0]),
+            "pc" => material.coat = number("a number from 0 to 1")?[0].clamp(0.0, 1.0),
+            "pcr" => material.coat_roughness = number("a number from 0 to 1")?[0].clamp(0.0, 1.0),
+            "ps" => {
+                material.sheen = DVec3::splat(number("a number from 0 to 1")?[0].clamp(0.0, 1.0));
+            }
+            "d" if all.text[line.clone()].contains("-halo") => {}
+            "d" => material.opacity = number("a number from 0 to 1")?[0].clamp(0.0, 1.0),
+            "tr" => material.opacity = 1.0 - number("a number from 0 to 1")?[0].clamp(0.0, 1.0),
+            "ni" => material.ior = number("a number from 0.1 to 10")?[0].clamp(0.1, 10.0),
+            "map_ke" => material.emission_map = Some(image(all, line, at)?.image),
+            "map_d" => material.opacity_map = Some(image(all, line, at)?.image),
             "pr" => draft.roughness = Some(number("a number from 0 to 1")?[0]),
             "pm" => material.metalness = number("a number from 0 to 1")?[0].clamp(0.0, 1.0),
             "map_kd" => material.colour_map = Some(image(all, line, at)?.image),
@@ -151,11 +175,7 @@ fn colour(all: Words<'_>, line: Range<usize>, at: Range<usize>) -> Result<Option
 /// An image: options, then a name.
 fn image(all: Words<'_>, line: Range<usize>, at: Range<usize>) -> Result<Image> {
     let mut found = Image {
-        image: ImageUse {
-            source: ImageSource::File(PathBuf::new()),
-            tile: DVec2::ONE,
-            shift: DVec2::ZERO,
-        },
+        image: ImageUse::new(ImageSource::File(PathBuf::new())),
         base: 0.0,
         gain: 1.0,
         bump: 1.0,
@@ -197,7 +217,15 @@ fn image(all: Words<'_>, line: Range<usize>, at: Range<usize>) -> Result<Image> 
             }
             "-bm" => found.bump = take(1)?.first().copied().unwrap_or(1.0),
             "-boost" | "-texres" => drop(take(1)?),
-            "-clamp" | "-blendu" | "-blendv" | "-imfchan" | "-cc" | "-type" | "-colorspace" => {
+            "-clamp" => {
+                if let Some((word, at)) = words.next() {
+                    start = at.end;
+                    if word.eq_ignore_ascii_case("on") {
+                        found.image.wrap = [Wrap::Clamp; 2];
+                    }
+                }
+            }
+            "-blendu" | "-blendv" | "-imfchan" | "-cc" | "-type" | "-colorspace" => {
                 start = words.next().map_or(start, |(_, at)| at.end);
             }
             _ => {
@@ -221,6 +249,8 @@ fn image(all: Words<'_>, line: Range<usize>, at: Range<usize>) -> Result<Image> 
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     fn one(text: &str) -> ModelMaterial {

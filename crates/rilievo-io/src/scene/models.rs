@@ -1,10 +1,6 @@
 //! Meshes of a scene with the materials of their own files.
 //!
-//! What the renderer has is used: base colour as a number or an image, mirror reflectance,
-//! roughness, emission, displacement. A metal (metalness from 0.5, without an image of it) reflects
-//! its base colour and diffuses nothing. The rest of a material stays in the [`Model`] and is not used
-//! yet. An image that cannot be read
-//! costs the image, not the scene; a note says so.
+//! What becomes of a material is told in `model_material`.
 
 use std::sync::Arc;
 
@@ -13,21 +9,16 @@ use rilievo::map::{DistanceMap, DistanceOptions, Metric};
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Displacement, MeshOptions, Relief, ReliefMesh, ReliefMeshError};
 use rilievo::surface::Surface;
-use rilievo_render::colour::Rgb;
+use rilievo_render::Material;
 use rilievo_render::light::{Light, PointLight, SunLight};
-use rilievo_render::texture::{ColourImage, Texture};
-use rilievo_render::{Material, Reflectance};
 
 use super::file::MeshEntry;
 use super::relief_mesh::sides;
 use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::{Error, Result};
-use crate::image::{HeightOptions, read_colour, read_colour_bytes};
-use crate::mesh::{ImageSource, ImageUse, LightKind, Model, ModelLight, ModelMaterial};
-
-/// Metalness from which a material is a metal.
-const METAL: f64 = 0.5;
+use crate::image::HeightOptions;
+use crate::mesh::{ImageSource, LightKind, Model, ModelLight};
 
 /// A map with the distance map that the method of `options` walks, if it walks one; or what is wrong.
 fn with_distance(
@@ -100,7 +91,7 @@ impl Loader<'_> {
         for (data, material) in model.by_material() {
             let mesh = self.placed(data, file, place)?;
             let material = material.and_then(|index| model.materials.get(index));
-            let own = material.map(|m| self.model_material(m));
+            let own = material.map(|m| self.model_material(m)).transpose()?;
             let Some(displacement) = material.and_then(|m| m.displacement.as_ref()) else {
                 parts.push((mesh.into(), own));
                 continue;
@@ -182,50 +173,5 @@ impl Loader<'_> {
             ImageSource::Embedded { name, bytes } => heights.read_bytes(bytes, name, limits),
         }?;
         Ok(Arc::new(Relief::with_layout(heights, self.options.layout.unwrap_or_default())))
-    }
-
-    /// What the renderer has of a material.
-    pub(super) fn model_material(&mut self, from: &ModelMaterial) -> Material {
-        // What an image makes of it differs from place to place; most surfaces are no metal.
-        let metal = from.metalness >= METAL && from.metalness_map.is_none();
-        let diffuse = match from.colour_map.as_ref().and_then(|image| self.colour_image(image)) {
-            _ if metal => Reflectance::Uniform(Rgb::ZERO),
-            Some(texture) => Reflectance::Textured(texture),
-            None => Reflectance::Uniform(from.colour),
-        };
-        let reflective = if metal { from.colour } else { from.reflective };
-        Material {
-            diffuse,
-            reflective,
-            roughness: from.roughness,
-            emitted: from.emitted,
-            ..Material::default()
-        }
-    }
-
-    fn colour_image(&mut self, from: &ImageUse) -> Option<Texture> {
-        let limits = &self.options.limits;
-        let image = match &from.source {
-            ImageSource::File(path) => match self.images.get(path) {
-                Some(image) => Ok(Arc::clone(image)),
-                None => read_colour(path, limits).map(|image| {
-                    let image = Arc::new(image);
-                    self.images.insert(path.clone(), Arc::clone(&image));
-                    image
-                }),
-            },
-            ImageSource::Embedded { name, bytes } => {
-                read_colour_bytes(bytes, name, limits).map(Arc::<ColourImage>::new)
-            }
-        };
-        match image {
-            Ok(image) => {
-                Some(Texture { tile: from.tile, shift: from.shift, ..Texture::new(image) })
-            }
-            Err(e) => {
-                self.notes.push(format!("image not used: {e}"));
-                None
-            }
-        }
     }
 }

@@ -3,6 +3,7 @@
 use rilievo::SimdLevel;
 use rilievo::map::{DistanceKind, Layout};
 use rilievo::relief::Method;
+use rilievo_render::Integrator;
 
 use crate::limits::Limits;
 
@@ -15,6 +16,10 @@ pub struct LoadOptions<'a> {
     pub method: Option<Method>,
     /// Stores the bounds of every map so, whatever the scene says.
     pub layout: Option<Layout>,
+    /// Renders so, whatever the scene says: some files are only read for some integrators.
+    pub integrator: Option<Integrator>,
+    /// Bytes that textures may take, whatever the scene says; they are halved until they fit.
+    pub texture_memory: Option<u64>,
     /// Vector instructions of the walk.
     pub simd: SimdLevel,
     /// Measures how far the maps of spheres are off after resampling; takes about as long as that.
@@ -31,6 +36,8 @@ impl Default for LoadOptions<'_> {
             limits: Limits::default(),
             method: None,
             layout: None,
+            integrator: None,
+            texture_memory: None,
             simd: SimdLevel::detect(),
             resampling_error: false,
             building: &|_| {},

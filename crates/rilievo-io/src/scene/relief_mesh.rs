@@ -33,7 +33,7 @@ impl Loader<'_> {
     ) -> Result<(ReliefMesh, Option<Material>)> {
         let model = self.model(entry)?;
         let material = match model.materials.as_slice() {
-            [one] => Some(self.model_material(one)),
+            [one] => Some(self.model_material(one)?),
             [] => None,
             many => {
                 let note = format!(

@@ -2,22 +2,23 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use rilievo::map::{Lattice, NormalConvention, Wrap};
 use rilievo::relief::{FaceError, FaceOptions, Method, Relief, ReliefFace, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
+use rilievo_render::bsdf::GlassTable;
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::light::{Environment, Light};
-use rilievo_render::texture::{ColourImage, Texture};
-use rilievo_render::{Camera, Material, Reflectance, Scene, SceneParts};
+use rilievo_render::texture::ColourImage;
+use rilievo_render::{Camera, Material, Scene, SceneParts};
 
 use super::file::{
-    Diffuse, DisplacementEntry, EnvironmentEntry, MaterialEntry, Normals, QuadEntry, SceneFile,
-    Shape, ShapeEntry, SphereEntry,
+    DisplacementEntry, EnvironmentEntry, Normals, QuadEntry, SceneFile, Shape, ShapeEntry,
+    SphereEntry,
 };
 use super::load_map::{self, Face, Needs};
+use super::materials::ImageKey;
 use super::options::LoadOptions;
 use super::relief_sphere::{LoadedSphereMap, SphereMapKey};
 use super::syntax::{Located, hint};
@@ -57,7 +58,7 @@ impl SceneFile {
     /// [`Error::Reference`] for a file that cannot be read; [`Error::Invalid`] for a name that is
     /// not there, shapes without area, a camera without direction; The place is that in the scene file.
     pub fn load(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
-        let (file, notes) = self.with_sets(&options.limits)?;
+        let (file, notes) = self.with_sets(options)?;
         let mut loaded = file.load_files(options)?;
         loaded.notes.splice(0..0, notes);
         Ok(loaded)
@@ -73,6 +74,7 @@ impl SceneFile {
             maps: HashMap::new(),
             sphere_maps: HashMap::new(),
             images: HashMap::new(),
+            glasses: Vec::new(),
             lamps: self.lights.clone(),
             notes: Vec::new(),
         };
@@ -80,7 +82,7 @@ impl SceneFile {
         let mut materials = Vec::new();
         for &index in &used.materials {
             materials.push(match index {
-                Some(index) => loader.material(&self.materials[index].1)?,
+                Some(index) => loader.material(index, &mut Vec::new())?,
                 None => Material::default(),
             });
         }
@@ -95,6 +97,7 @@ impl SceneFile {
                 material_of.push(material);
             }
         }
+        loader.fit_images(&mut materials);
         let parts = SceneParts {
             world: World::new(surfaces),
             materials,
@@ -195,7 +198,9 @@ pub(super) struct Loader<'a> {
     pub(super) options: &'a LoadOptions<'a>,
     pub(super) maps: HashMap<&'a str, Arc<Relief>>,
     pub(super) sphere_maps: HashMap<SphereMapKey<'a>, LoadedSphereMap>,
-    pub(super) images: HashMap<PathBuf, Arc<ColourImage>>,
+    pub(super) images: HashMap<ImageKey, Arc<ColourImage>>,
+    /// Indices of refraction in use.
+    pub(super) glasses: Vec<Arc<GlassTable>>,
     /// Lights that are no shapes: those of the scene, then those of models.
     pub(super) lamps: Vec<Light>,
     /// What was not as files say, a line each.
@@ -352,31 +357,5 @@ impl<'a> Loader<'a> {
                 ShadingNormals::Map(Arc::new(map))
             }
         })
-    }
-
-    fn material(&mut self, entry: &MaterialEntry) -> Result<Material> {
-        let diffuse = match &entry.diffuse {
-            Diffuse::Uniform(rgb) => Reflectance::Uniform(*rgb),
-            Diffuse::Texture(texture) => {
-                let path = self.file.beside(&texture.file.value);
-                let image = match self.images.get(&path) {
-                    Some(image) => Arc::clone(image),
-                    None => {
-                        let image = read_colour(&path, &self.options.limits)
-                            .map_err(|e| self.file.referenced(&texture.file, "texture", e))?;
-                        let image = Arc::new(image);
-                        self.images.insert(path, Arc::clone(&image));
-                        image
-                    }
-                };
-                Reflectance::Textured(Texture {
-                    tile: texture.tile,
-                    shift: texture.shift,
-                    ..Texture::new(image)
-                })
-            }
-        };
-        let MaterialEntry { reflective, roughness, emitted, .. } = *entry;
-        Ok(Material { diffuse, reflective, roughness, emitted, ..Material::default() })
     }
 }

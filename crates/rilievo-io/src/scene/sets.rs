@@ -1,7 +1,7 @@
 //! Texture sets in a scene: wherever a file is named, a folder may be, with a slash at its end.
 //!
 //! The folder's map for the place is taken: displacement for the `file` of a map, albedo for the
-//! `texture` of a material, the normal map for `normals`. `displacement = { map = "rock/" }` needs no
+//! `texture` of a material and so on (`set_materials`), the normal map for `normals`. `displacement = { map = "rock/" }` needs no
 //! `[maps]` at all. Before anything is loaded the scene is rewritten to one that names files, with
 //! what the set assumes in place of what the scene does not say; notes tell all of it. Terrain is laid
 //! out in the same pass (`terrain`).
@@ -15,9 +15,9 @@ use rilievo::map::{Lattice, Layout, NormalConvention, Wrap};
 use rilievo::relief::Displacement;
 
 use super::file::{
-    Diffuse, DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, QuadEntry, SceneFile,
-    Shape,
+    DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, QuadEntry, SceneFile, Shape,
 };
+use super::options::LoadOptions;
 use super::syntax::Located;
 use crate::error::{Error, Result};
 use crate::image::{HeightOptions, MARK, Udim};
@@ -25,31 +25,32 @@ use crate::limits::Limits;
 use crate::texture_set::{Assumed, MapRole, TextureSet};
 
 /// Whether a path of a scene is a texture set.
-fn is_set(path: &str) -> bool {
+pub(super) fn is_set(path: &str) -> bool {
     path.ends_with('/')
 }
 
 /// Texture sets, each found and judged once.
-struct Sets<'a> {
-    file: &'a SceneFile,
+pub(super) struct Sets<'a> {
+    pub(super) file: &'a SceneFile,
     limits: &'a Limits,
+    /// Whether all of a material is shown.
+    pub(super) paths: bool,
     found: HashMap<PathBuf, (TextureSet, Option<Assumed>)>,
     notes: Vec<String>,
 }
 
 impl SceneFile {
     /// The scene with files in place of texture sets, and what was found and assumed.
-    pub(super) fn with_sets(&self, limits: &Limits) -> Result<(Cow<'_, Self>, Vec<String>)> {
-        let mut sets = Sets { file: self, limits, found: HashMap::new(), notes: Vec::new() };
+    pub(super) fn with_sets(
+        &self,
+        options: &LoadOptions<'_>,
+    ) -> Result<(Cow<'_, Self>, Vec<String>)> {
+        let (limits, paths) = (&options.limits, self.traces_paths(options));
+        let mut sets = Sets { file: self, limits, paths, found: HashMap::new(), notes: Vec::new() };
         let mut file = Cow::Borrowed(self);
         for (k, (_, material)) in self.materials.iter().enumerate() {
-            if let Diffuse::Texture(texture) = &material.diffuse
-                && is_set(&texture.file.value)
-            {
-                let path = sets.map(&texture.file, MapRole::Albedo)?;
-                if let Diffuse::Texture(texture) = &mut file.to_mut().materials[k].1.diffuse {
-                    texture.file.value = path;
-                }
+            if let Some(changed) = sets.in_material(material)? {
+                file.to_mut().materials[k].1 = changed;
             }
         }
         for k in 0..self.shapes.len() {
@@ -96,7 +97,11 @@ impl SceneFile {
             let file = file.to_mut();
             file.name_map(&entry.map, map, path, turn);
             if let (None, Some(texture)) = (&shape.material, albedo) {
-                file.shapes[k].material = Some(file.add_material(&entry, texture));
+                let name = file.add_material(&entry, texture);
+                if let Some((_, material)) = file.materials.last_mut() {
+                    sets.fill_added(material, folder)?;
+                }
+                file.shapes[k].material = Some(name);
             }
             if let Some(slot) = file.shapes[k].shape.displacement_mut() {
                 *slot = entry;
@@ -122,11 +127,11 @@ impl SceneFile {
         };
         let mut spread = self.clone();
         for (_, material) in &mut spread.materials {
-            if let Diffuse::Texture(texture) = &mut material.diffuse
-                && let Some(count) = tiles(&texture.file)?
-            {
-                texture.tile /= count;
-                texture.shift /= count;
+            for texture in material.textures_mut() {
+                if let Some(count) = tiles(&texture.file)? {
+                    texture.tile /= count;
+                    texture.shift /= count;
+                }
             }
         }
         for shape in &mut spread.shapes {
@@ -187,7 +192,10 @@ impl SceneFile {
 
 impl Sets<'_> {
     /// The set called `name`.
-    fn find(&mut self, name: &Located<String>) -> Result<&mut (TextureSet, Option<Assumed>)> {
+    pub(super) fn find(
+        &mut self,
+        name: &Located<String>,
+    ) -> Result<&mut (TextureSet, Option<Assumed>)> {
         let folder = self.file.beside(&name.value);
         if !self.found.contains_key(&folder) {
             let set = TextureSet::find(&folder, self.limits);
@@ -202,7 +210,7 @@ impl Sets<'_> {
     }
 
     /// The path of the map for `role`, as a scene would write it.
-    fn map(&mut self, name: &Located<String>, role: MapRole) -> Result<String> {
+    pub(super) fn map(&mut self, name: &Located<String>, role: MapRole) -> Result<String> {
         let (set, _) = self.find(name)?;
         let Some(map) = set.map(role) else {
             let allowed = format!("a folder with a map for {}", role.name());

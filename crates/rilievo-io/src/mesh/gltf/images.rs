@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use rilievo::map::Wrap;
+
 use super::buffers::{Buffers, Usage};
 use super::json::Json;
 use super::uri::{self, Target};
@@ -14,12 +16,17 @@ use crate::mesh::{Beside, ImageSource};
 /// Media types of images.
 const MEDIA: [&str; 2] = ["image/png", "image/jpeg"];
 
+/// Codes of samplers.
+const REPEAT: u64 = 10497;
+const CLAMP_TO_EDGE: u64 = 33071;
+const MIRRORED_REPEAT: u64 = 33648;
+
 /// The images and textures of a document.
 pub(super) struct Images {
     /// Where the bytes of each image are; none for one that is not of a known format.
     sources: Vec<Option<ImageSource>>,
-    /// The image of each texture.
-    textures: Vec<Option<usize>>,
+    /// The image of each texture, and what lies beyond its borders.
+    textures: Vec<(Option<usize>, [Wrap; 2])>,
 }
 
 impl Images {
@@ -38,11 +45,23 @@ impl Images {
             }
             sources.push(source);
         }
-        let samplers = root.objects("samplers")?.len();
+        let mut samplers = Vec::new();
+        for json in root.objects("samplers")? {
+            let mut wraps = [Wrap::Repeat; 2];
+            for (wrap, key) in wraps.iter_mut().zip(["wrapS", "wrapT"]) {
+                *wrap = match json.whole_or(key, REPEAT)? {
+                    CLAMP_TO_EDGE => Wrap::Clamp,
+                    MIRRORED_REPEAT => Wrap::Mirror,
+                    _ => Wrap::Repeat,
+                };
+            }
+            samplers.push(wraps);
+        }
         let mut textures = Vec::new();
         for json in root.objects("textures")? {
-            json.index_of("sampler", samplers)?;
-            textures.push(json.index_of("source", sources.len())?);
+            let sampler = json.index_of("sampler", samplers.len())?;
+            let wraps = sampler.map_or([Wrap::Repeat; 2], |sampler| samplers[sampler]);
+            textures.push((json.index_of("source", sources.len())?, wraps));
         }
         Ok(Self { sources, textures })
     }
@@ -52,9 +71,10 @@ impl Images {
         self.textures.len()
     }
 
-    /// The image of a texture, if it can be used.
-    pub fn of_texture(&self, texture: usize) -> Option<ImageSource> {
-        self.sources[self.textures[texture]?].clone()
+    /// The image of a texture, if it can be used, and what lies beyond its borders.
+    pub fn of_texture(&self, texture: usize) -> Option<(ImageSource, [Wrap; 2])> {
+        let (source, wraps) = self.textures[texture];
+        Some((self.sources[source?].clone()?, wraps))
     }
 }
 

@@ -62,7 +62,10 @@ impl Reader<'_> {
         };
         if let Some(pbr) = json.get("pbrMetallicRoughness") {
             let pbr = pbr.object()?;
-            let [r, g, b, _] = pbr.numbers_or("baseColorFactor", [1.0; 4])?;
+            let [r, g, b, alpha] = pbr.numbers_or("baseColorFactor", [1.0; 4])?;
+            if json.text_of("alphaMode")? == Some("BLEND") {
+                material.opacity = alpha.clamp(0.0, 1.0);
+            }
             material.colour = in_range(&pbr, "baseColorFactor", DVec3::new(r, g, b))?;
             material.colour_map = self.texture(&pbr, "baseColorTexture")?;
             material.metalness = pbr.number_or("metallicFactor", 1.0)?.clamp(0.0, 1.0);
@@ -73,15 +76,23 @@ impl Reader<'_> {
         let normals = self.texture(json, "normalTexture")?;
         material.normal_map = normals.map(|image| (image, NormalConvention::OpenGl));
         self.texture(json, "occlusionTexture")?;
-        let emission = self.texture(json, "emissiveTexture")?;
+        if let Some(info) = json.get("normalTexture") {
+            material.normal_strength = info.object()?.number_or("scale", 1.0)?.clamp(0.0, 10.0);
+        }
+        material.emission_map = self.texture(json, "emissiveTexture")?;
         let emitted = DVec3::from_array(json.numbers_or("emissiveFactor", [0.0; 3])?);
         let emitted = in_range(json, "emissiveFactor", emitted)?;
         let strength = match json.extension("KHR_materials_emissive_strength") {
             Some(extension) => extension.number_or("emissiveStrength", 1.0)?.max(0.0),
             None => 1.0,
         };
-        // What an image makes of it is not known, and a whole surface that shines is worse than none.
-        material.emitted = if emission.is_some() { DVec3::ZERO } else { emitted * strength };
+        material.emitted = emitted * strength;
+        self.layers(json, &mut material)?;
+        if json.text_of("alphaMode")?.is_some_and(|mode| mode != "OPAQUE")
+            && material.colour_map.is_some()
+        {
+            self.notes.push(format!("{}: the alpha of its image is not used", json.pointer));
+        }
         for (name, extension) in json.get("extensions").iter().flat_map(|e| e.properties()) {
             self.extension_textures(name, &extension)?;
         }
@@ -89,6 +100,42 @@ impl Reader<'_> {
             material.displacement = self.displacement(&json.object()?)?;
         }
         Ok(material)
+    }
+
+    /// Reads the extensions that add to a material.
+    fn layers(&mut self, json: &Json<'_>, material: &mut ModelMaterial) -> Result<()> {
+        let share = |json: &Json<'_>, key| Ok(json.number_or(key, 0.0)?.clamp(0.0, 1.0));
+        if let Some(ior) = json.extension("KHR_materials_ior") {
+            let ior = ior.number_or("ior", 1.5)?;
+            // 0 stands for a body that reflects all: an index without end.
+            material.ior = if ior == 0.0 { 10.0 } else { ior.clamp(1.0, 10.0) };
+        }
+        if let Some(specular) = json.extension("KHR_materials_specular") {
+            material.specular = specular.number_or("specularFactor", 1.0)?.clamp(0.0, 1.0);
+            let colour = DVec3::from_array(specular.numbers_or("specularColorFactor", [1.0; 3])?);
+            material.specular_colour = in_range(&specular, "specularColorFactor", colour)?;
+        }
+        if let Some(glass) = json.extension("KHR_materials_transmission") {
+            material.transmission = share(&glass, "transmissionFactor")?;
+            material.transmission_map = self.texture(&glass, "transmissionTexture")?;
+            // Without a volume the surface is a sheet.
+            material.thin = match json.extension("KHR_materials_volume") {
+                Some(volume) => volume.number_or("thicknessFactor", 0.0)? <= 0.0,
+                None => true,
+            };
+        }
+        if let Some(coat) = json.extension("KHR_materials_clearcoat") {
+            material.coat = share(&coat, "clearcoatFactor")?;
+            material.coat_map = self.texture(&coat, "clearcoatTexture")?;
+            material.coat_roughness = share(&coat, "clearcoatRoughnessFactor")?;
+            material.coat_roughness_map = self.texture(&coat, "clearcoatRoughnessTexture")?;
+        }
+        if let Some(sheen) = json.extension("KHR_materials_sheen") {
+            let colour = DVec3::from_array(sheen.numbers_or("sheenColorFactor", [0.0; 3])?);
+            material.sheen = in_range(&sheen, "sheenColorFactor", colour)?;
+            material.sheen_roughness = share(&sheen, "sheenRoughnessFactor")?;
+        }
+        Ok(())
     }
 
     /// Checks the textures of an extension that is not read otherwise.
@@ -110,21 +157,23 @@ impl Reader<'_> {
         let info = info.object()?;
         let index = info.require("index")?.index(self.images.textures())?;
         let mut set = info.whole_or("texCoord", 0)?;
-        let (mut tile, mut shift) = (DVec2::ONE, DVec2::ZERO);
+        let (mut tile, mut turn, mut shift) = (DVec2::ONE, DVec2::X, DVec2::ZERO);
         if let Some(transform) = info.extension("KHR_texture_transform") {
             set = transform.whole_or("texCoord", set)?;
             let [scale_u, scale_v] = transform.numbers_or("scale", [1.0; 2])?;
             let [offset_u, offset_v] = transform.numbers_or("offset", [0.0; 2])?;
-            // v runs down there: 1 - (scale (1 - v) + offset).
+            let rotation = transform.number_or("rotation", 0.0)?;
+            // v runs down there, and the turn is counterclockwise as seen: from u to our v.
+            let (sin, cos) = rotation.sin_cos();
             tile = DVec2::new(scale_u, scale_v);
-            shift = DVec2::new(offset_u, 1.0 - scale_v - offset_v);
-            if transform.number_or("rotation", 0.0)? != 0.0 {
-                self.notes.push(format!("{}: the rotation is not used", transform.pointer));
+            if rotation != 0.0 {
+                turn = DVec2::new(cos, sin);
             }
+            shift = DVec2::new(offset_u + sin * scale_v, 1.0 - cos * scale_v - offset_v);
         }
         self.sets.push((info.pointer.clone(), set));
         let source = self.images.of_texture(index);
-        Ok(source.map(|source| ImageUse { source, tile, shift }))
+        Ok(source.map(|(source, wrap)| ImageUse { source, tile, turn, shift, wrap }))
     }
 
     fn displacement(&mut self, json: &Json<'_>) -> Result<Option<ModelDisplacement>> {
@@ -135,7 +184,7 @@ impl Reader<'_> {
                     return Err(file.fault("file", file.value.to_string(), "a relative path"));
                 };
                 let source = ImageSource::File(path);
-                Some(ImageUse { source, tile: DVec2::ONE, shift: DVec2::ZERO })
+                Some(ImageUse::new(source))
             }
             None => {
                 json.require("texture")?;

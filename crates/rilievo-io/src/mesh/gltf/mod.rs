@@ -6,7 +6,7 @@
 //! primitive becomes triangles in the world of the file: y up, metres.
 //!
 //! Read are meshes (triangles, strips, fans; sparse and normalised accessors), transforms,
-//! materials, perspective cameras, punctual lights, texture transforms without rotation, and
+//! materials, perspective cameras, punctual lights, texture transforms, and
 //! displacement in `extras` (see [`materials`]). Skins and morph targets are checked and left in their
 //! rest pose. Textures may ask for any set of uv; the mesh gets the one of the displacement or the
 //! colour.

@@ -3,6 +3,7 @@
 use rilievo::map::{DistanceBits, Lattice, Layout, Procedural, Wrap};
 
 use super::super::syntax::{Located, Table, Value};
+use super::texture::WRAPS;
 use crate::error::Result;
 use crate::image::HeightOptions;
 
@@ -72,9 +73,7 @@ impl MapEntry {
                 value.choice(&[("vertex", Lattice::Vertex), ("texel", Lattice::Texel)])?;
         }
         if let Some(value) = table.get("wrap") {
-            let wraps =
-                [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
-            entry.wrap = value.choice(&wraps)?;
+            entry.wrap = value.choice(&WRAPS)?;
         }
         if let Some(value) = table.get("layout") {
             entry.layout = value.choice(&Layout::ALL.map(|l| (l.name(), l)))?;

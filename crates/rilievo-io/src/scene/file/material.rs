@@ -2,20 +2,15 @@
 
 use rilievo::glam::{DVec2, DVec3};
 
-use super::super::syntax::{Located, Table, Value};
+use super::super::syntax::{Located, Table};
+use super::model::ModelEntry;
+use super::texture::{NormalEntry, TextureEntry};
 use super::view::colour;
 use crate::error::Result;
+use crate::texture_set::MapRole;
 
 /// Two numbers, in words.
 pub(super) const PAIR: &str = "two numbers: [along u, along v]";
-
-/// A colour image laid over uv.
-#[derive(Clone, Debug)]
-pub(in super::super) struct TextureEntry {
-    pub file: Located<String>,
-    pub tile: DVec2,
-    pub shift: DVec2,
-}
 
 /// A diffuse reflectance.
 #[derive(Clone, Debug)]
@@ -27,65 +22,86 @@ pub(in super::super) enum Diffuse {
 /// What `[materials.NAME]` says.
 #[derive(Clone, Debug)]
 pub(in super::super) struct MaterialEntry {
+    /// The paper's material; of other models, where a texture set gave them, what the paper's
+    /// integrator shows.
     pub diffuse: Diffuse,
     pub reflective: DVec3,
     pub roughness: f64,
     pub emitted: DVec3,
+    pub emission: Option<TextureEntry>,
+    pub model: ModelEntry,
+    pub normals: Option<NormalEntry>,
+    /// Whether the scene asks for no normal map, whatever a texture set has.
+    pub without_normals: bool,
 }
 
 impl MaterialEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let (diffuse, texture) = (table.get("diffuse"), table.get("texture"));
-        let diffuse = match (&diffuse, &texture) {
-            (Some(_), Some(texture)) => {
-                return Err(texture.invalid("one of `diffuse` and `texture`, not both"));
+        let mut entry = Self::uniform(DVec3::splat(0.5));
+        entry.model = ModelEntry::read(table)?;
+        if let ModelEntry::Paper = entry.model {
+            let (diffuse, texture) = (table.get("diffuse"), table.get("texture"));
+            entry.diffuse = match (&diffuse, &texture) {
+                (Some(_), Some(texture)) => {
+                    return Err(texture.invalid("one of `diffuse` and `texture`, not both"));
+                }
+                (Some(value), None) => Diffuse::Uniform(colour(value)?),
+                (None, Some(value)) => {
+                    Diffuse::Texture(TextureEntry::read(value, MapRole::Albedo)?)
+                }
+                (None, None) => entry.diffuse,
+            };
+            if let Some(value) = table.get("reflective") {
+                entry.reflective = colour(&value)?;
             }
-            (Some(value), None) => Diffuse::Uniform(colour(value)?),
-            (None, Some(value)) => Diffuse::Texture(TextureEntry::read(value)?),
-            (None, None) => Diffuse::Uniform(DVec3::splat(0.5)),
-        };
-        let mut entry =
-            Self { diffuse, reflective: DVec3::ZERO, roughness: 0.0, emitted: DVec3::ZERO };
-        if let Some(value) = table.get("reflective") {
-            entry.reflective = colour(&value)?;
-        }
-        if let Some(value) = table.get("roughness") {
-            entry.roughness = value.number_in(0.0..=1.0, "a number from 0 to 1")?;
+            if let Some(value) = table.get("roughness") {
+                entry.roughness = value.number_in(0.0..=1.0, "a number from 0 to 1")?;
+            }
         }
         if let Some(value) = table.get("emitted") {
             entry.emitted = colour(&value)?;
         }
+        if let Some(value) = table.get("emission") {
+            entry.emission = Some(TextureEntry::read(&value, MapRole::Emission)?);
+        }
+        if let Some(value) = table.get("normals") {
+            entry.without_normals = matches!(value.boolean(), Ok(false));
+            if !entry.without_normals {
+                entry.normals = Some(NormalEntry::read(&value)?);
+            }
+        }
         table.finish()?;
         Ok(entry)
     }
-}
 
-impl MaterialEntry {
-    /// A diffuse material with an image.
-    pub fn textured(file: Located<String>, tile: DVec2, shift: DVec2) -> Self {
+    /// A diffuser of the paper's model.
+    fn uniform(diffuse: DVec3) -> Self {
         Self {
-            diffuse: Diffuse::Texture(TextureEntry { file, tile, shift }),
+            diffuse: Diffuse::Uniform(diffuse),
             reflective: DVec3::ZERO,
             roughness: 0.0,
             emitted: DVec3::ZERO,
+            emission: None,
+            model: ModelEntry::Paper,
+            normals: None,
+            without_normals: false,
         }
     }
-}
 
-impl TextureEntry {
-    fn read(value: &Value<'_>) -> Result<Self> {
-        if !value.is_table() {
-            let file = value.name()?;
-            return Ok(Self { file, tile: DVec2::ONE, shift: DVec2::ZERO });
+    /// A diffuse material with an image.
+    pub fn textured(file: Located<String>, tile: DVec2, shift: DVec2) -> Self {
+        let texture = TextureEntry { tile, shift, ..TextureEntry::plain(file, MapRole::Albedo) };
+        Self { diffuse: Diffuse::Texture(texture), ..Self::uniform(DVec3::ZERO) }
+    }
+
+    /// Every image.
+    pub fn textures_mut(&mut self) -> Vec<&mut TextureEntry> {
+        let mut all = self.model.textures_mut();
+        if let Diffuse::Texture(texture) = &mut self.diffuse {
+            all.push(texture);
         }
-        let table = value.table()?;
-        let file = table.require("file")?;
-        let (tile, shift) = (table.get("tile"), table.get("shift"));
-        table.finish()?;
-        Ok(Self {
-            file: file.name()?,
-            tile: DVec2::from_array(tile.map_or(Ok([1.0; 2]), |v| v.numbers(PAIR))?),
-            shift: DVec2::from_array(shift.map_or(Ok([0.0; 2]), |v| v.numbers(PAIR))?),
-        })
+        all.extend(&mut self.emission);
+        all.extend(self.normals.iter_mut().map(|normals| &mut normals.texture));
+        all
     }
 }

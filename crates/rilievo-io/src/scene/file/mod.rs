@@ -7,8 +7,10 @@ mod instances;
 mod light;
 mod map;
 mod material;
+mod model;
 mod shape;
 mod terrain;
+mod texture;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -26,10 +28,14 @@ pub(super) use instances::InstanceEntry;
 pub(super) use light::EnvironmentEntry;
 pub(super) use map::{MapEntry, MapSource};
 pub(super) use material::{Diffuse, MaterialEntry};
+pub(super) use model::{
+    BASE_COLOUR, METALLIC, MetalEntry, ModelEntry, OPACITY, PrincipledEntry, ROUGHNESS,
+};
 pub(super) use shape::{
     DisplacementEntry, MeshEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry,
 };
 pub(super) use terrain::GroundEntry;
+pub(super) use texture::{ColourEntry, NormalEntry, NumberEntry, TextureEntry};
 pub(super) use view::RenderEntry;
 
 /// A scene file, read and checked by itself.
@@ -139,10 +145,14 @@ impl SceneFile {
             MapSource::Procedural { .. } => None,
         });
         let baked = self.maps.iter().filter_map(|(_, map)| map.distance.file.as_ref());
-        let textures = self.materials.iter().filter_map(|(_, m)| match &m.diffuse {
-            Diffuse::Texture(texture) => Some(&texture.file),
-            Diffuse::Uniform(_) => None,
-        });
+        let mut textures = Vec::new();
+        for (_, material) in &self.materials {
+            let mut material = material.clone();
+            textures.extend(material.textures_mut().into_iter().map(|t| t.file.clone()));
+            if let ModelEntry::Principled(model) = &material.model {
+                textures.extend(model.set.as_ref().map(|set| set.file.clone()));
+            }
+        }
         let meshes = self.shapes.iter().filter_map(|shape| match &shape.shape {
             Shape::Mesh(mesh) => Some(&mesh.file),
             Shape::Quad(_) | Shape::Sphere(_) => None,
@@ -154,7 +164,7 @@ impl SceneFile {
             });
         let shapes = meshes.chain(normals);
         let shapes = shapes.chain(self.environment.as_ref().map(|e| &e.file));
-        maps.chain(baked).chain(textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
+        maps.chain(baked).chain(&textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
     }
 
     /// A path of the file; relative ones start at its folder.

@@ -10,6 +10,7 @@ use super::super::syntax::{Located, Table, Value};
 use super::instances::{InstanceEntry, read_instances};
 use super::material::PAIR;
 use super::terrain::{GroundEntry, read_terrain};
+use super::texture::CONVENTIONS;
 use super::view::{POINT, method, point};
 use crate::error::Result;
 use crate::mesh::Projection;
@@ -300,9 +301,7 @@ impl Normals {
                 true => table.get("convention"),
                 false => Some(table.require("convention")?),
             };
-            let conventions =
-                [("opengl", NormalConvention::OpenGl), ("directx", NormalConvention::DirectX)];
-            let convention = convention.map(|v| v.choice(&conventions)).transpose()?;
+            let convention = convention.map(|v| v.choice(&CONVENTIONS)).transpose()?;
             table.finish()?;
             return Ok(Self::File { file, convention });
         }

@@ -35,6 +35,8 @@ pub(in super::super) struct RenderEntry {
     pub ambient: DVec3,
     pub tone_map: ToneMap,
     pub method: Method,
+    /// Bytes that textures may take.
+    pub texture_memory: Option<u64>,
 }
 
 impl RenderEntry {
@@ -90,6 +92,9 @@ impl RenderEntry {
         }
         if let Some(value) = table.get("method") {
             entry.method = method(&value)?;
+        }
+        if let Some(value) = table.get("texture_memory") {
+            entry.texture_memory = Some(value.integer(1..=1_u64 << 30)? << 20);
         }
         table.finish()?;
         Ok(entry)
