@@ -16,11 +16,12 @@ use rilievo::map::{
 use rilievo::relief::Method;
 use rilievo_io::image::Stored;
 use rilievo_io::tev::TEV_ADDRESS;
+use rilievo_render::film::Tile;
 use rilievo_render::film::tonemap::View;
 use rilievo_render::{Aov, FilterKind, Integrator, SamplerKind};
 
 use crate::denoise::Denoiser;
-use value::{PicturePath, PngPath};
+use value::{ExrPath, PicturePath, PngPath};
 
 /// Ray-traces displacement-mapped surfaces without tessellating them.
 #[derive(Debug, Parser)]
@@ -47,6 +48,9 @@ pub enum Command {
     /// Compare two pictures.
     #[command(after_help = DIFF)]
     Diff(DiffArgs),
+    /// Join parts of a render, done apart by --sample-range or --crop, into the picture of one run.
+    #[command(after_help = MERGE)]
+    Merge(MergeArgs),
 }
 
 /// What flags of `render` are about, as its help groups them.
@@ -54,6 +58,7 @@ const PICTURE: &str = "Picture";
 const SAMPLES: &str = "Samples";
 const WALK: &str = "Walk";
 const LIMITS: &str = "Limits";
+const PARTS: &str = "Stopped, continued, in parts";
 const WATCH: &str = "While it runs";
 
 #[derive(Debug, Args)]
@@ -157,8 +162,33 @@ pub struct RenderArgs {
         default_missing_value = TEV_ADDRESS, help_heading = WATCH
     )]
     pub tev: Option<String>,
+    #[command(flatten, next_help_heading = PARTS)]
+    pub part: PartArgs,
     #[command(flatten)]
     pub talk: Talk,
+}
+
+/// Renders that are stopped and continued, or done in parts.
+#[derive(Debug, Args)]
+pub struct PartArgs {
+    /// Save the picture so far every so often, to go on from with --resume; 0 never does. EXR only.
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::interval)]
+    pub checkpoint: Duration,
+    /// Go on with the unfinished picture that --output names, if there is one: the result is that of
+    /// a render that was never stopped.
+    #[arg(long)]
+    pub resume: bool,
+    /// Take only the samples A to B - 1 of each pixel; rilievo merge joins them. For the integrator
+    /// path.
+    #[arg(long, value_name = "A..B", value_parser = value::sample_range)]
+    pub sample_range: Option<[u32; 2]>,
+    /// Render only the pixels from X0 to X1 - 1 and Y0 to Y1 - 1; rilievo merge joins them.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop)]
+    pub crop: Option<Tile>,
+    /// Stop a tile of 16 x 16 pixels before --samples once its relative error is estimated below
+    /// this, as 0.02. For the integrator path.
+    #[arg(long, value_name = "E", value_parser = value::max_error)]
+    pub max_error: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -341,6 +371,24 @@ pub struct DiffArgs {
     pub talk: Talk,
 }
 
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Parts, in any order: pictures that render --sample-range and render --crop wrote.
+    #[arg(required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Picture to write: all of the render, or a larger part.
+    #[arg(short, long, value_name = "OUT.exr", value_parser = ExrPath::parser())]
+    pub output: ExrPath,
+    /// Samples of the picture, as for render.
+    #[arg(long, value_name = "SAMPLES", default_value = "float", value_parser = value::stored())]
+    pub exr: Stored,
+    /// Cut it into square tiles, as for render.
+    #[arg(long, value_name = "PIXELS", value_parser = value::tiles)]
+    pub tiles: Option<u32>,
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
 const HELP: &str = "\
 Exit codes:
   0    done
@@ -378,7 +426,19 @@ Examples:
   rilievo render scene.toml -o out.exr --samples 16 --denoise=oidn
   rilievo render scene.toml -o hits.exr --integrator aov --pixel-centers --aov P
   rilievo render scene.toml -o steps.png --integrator aov --aov Steps --method distance
-  rilievo render scene.toml -o draft.png --time-limit 10 --json";
+  rilievo render scene.toml -o draft.png --time-limit 10 --json
+  rilievo render scene.toml -o out.exr --samples 4096 --checkpoint 300 --resume
+  rilievo render scene.toml -o a.exr --samples 256 --sample-range 0..128
+  rilievo render scene.toml -o left.exr --crop 0,0,320,400
+  rilievo render scene.toml -o out.exr --integrator path --samples 4096 --max-error 0.02";
+
+const MERGE: &str = "\
+Parts must be of one render: the same scene, files, settings and seed. Sample ranges must follow on
+each other, windows must lie side by side.
+
+Examples:
+  rilievo merge a.exr b.exr -o out.exr
+  rilievo merge left.exr right.exr -o out.exr --json";
 
 const BAKE: &str = "\
 Every map is read back after writing and compared with what was meant.

@@ -5,11 +5,15 @@ use std::path::Path;
 
 use rilievo::map::DistanceKind;
 use rilievo_io::Limits;
+use rilievo_io::film_file::{Fingerprint, Remainder};
+use rilievo_io::image::{Blocks, Stored};
 use rilievo_io::scene::{DistanceBuild, LoadOptions, LoadedScene, SceneFile};
 use rilievo_render::denoise;
+use rilievo_render::film::Tile;
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::{Aov, MemoryUse, RenderOptions, RenderSettings, Scene};
 
+use crate::args::value::PictureFormat;
 use crate::args::{RenderArgs, Talk};
 use crate::memory::predicted_bytes;
 use crate::name;
@@ -34,6 +38,15 @@ pub struct RenderJob {
     pub build: Elapsed,
     threads: usize,
     pixel_centers: bool,
+    /// How an EXR keeps samples.
+    pub stored: Stored,
+    /// How an EXR is cut up.
+    pub blocks: Blocks,
+    crop: Option<Tile>,
+    sample_range: Option<[u32; 2]>,
+    max_error: Option<f64>,
+    /// Of the scene, the files it names and all settings.
+    pub fingerprint: Fingerprint,
 }
 
 impl RenderJob {
@@ -49,7 +62,8 @@ impl RenderJob {
             simd: args.simd.unwrap_or_default(),
             ..LoadOptions::default()
         };
-        let loaded = load(&args.scene, &options, args.talk)?;
+        let file = SceneFile::present(&args.scene, &options.limits)?;
+        let loaded = load_file(&file, &options, args.talk)?;
         let LoadedScene { scene, mut tone_map, .. } = loaded;
         tone_map = ToneMap {
             exposure: args.exposure.unwrap_or(tone_map.exposure),
@@ -96,13 +110,23 @@ impl RenderJob {
             build: watch.elapsed(),
             threads: args.threads,
             pixel_centers: args.pixel_centers,
+            stored: args.exr,
+            blocks: args.tiles.map_or(Blocks::Lines, Blocks::Tiles),
+            crop: args.part.crop,
+            sample_range: args.part.sample_range,
+            max_error: args.part.max_error,
+            fingerprint: Fingerprint::default(),
             scene,
         };
+        rilievo_render::check(&job.scene, &job.options()).map_err(Failure::refused)?;
+        if args.output.format == PictureFormat::Exr {
+            job.fingerprint = job.fingerprint_of(&file, args)?;
+        }
         job.memory = MemoryUse::predict(&job.scene, &job.options());
-        let resolution = job.scene.camera().resolution();
-        job.predicted_bytes = predicted_bytes(&job.memory, resolution, &job.kind);
+        let window = job.window().size;
+        job.predicted_bytes = predicted_bytes(&job.memory, window, job.bytes_per_pixel(args));
         if args.denoise.is_some() {
-            job.predicted_bytes += denoise::predicted_bytes(resolution);
+            job.predicted_bytes += denoise::predicted_bytes(window);
         }
         match args.max_memory {
             Some(most) if job.predicted_bytes > most => Err(Failure::Refused(format!(
@@ -114,12 +138,60 @@ impl RenderJob {
         }
     }
 
+    /// The pixels to render.
+    pub fn window(&self) -> Tile {
+        self.crop.unwrap_or(Tile::whole(self.scene.camera().resolution()))
+    }
+
+    /// Whether it is a part of a picture only.
+    pub fn is_part(&self) -> bool {
+        self.window() != Tile::whole(self.scene.camera().resolution())
+            || self.sample_range.is_some_and(|range| range != [0, self.samples])
+    }
+
+    /// Bytes a pixel that writing takes, at most.
+    fn bytes_per_pixel(&self, args: &RenderArgs) -> u64 {
+        let sums = self.scene.settings().integrator.sums();
+        let rest = match args.output.format {
+            // Planes of digits and the file, compressed to less than half of them.
+            PictureFormat::Exr if self.is_part() || !args.part.checkpoint.is_zero() => {
+                3 * Remainder::bytes_per_pixel(&self.layers, sums) / 2
+            }
+            _ => 0,
+        };
+        self.kind.bytes_per_pixel() + rest
+    }
+
+    /// Two renders with one fingerprint give the same picture, and parts of it that fit together.
+    fn fingerprint_of(&self, file: &SceneFile, args: &RenderArgs) -> Result<Fingerprint, Failure> {
+        let mut fingerprint = Fingerprint::default();
+        let settings = format!(
+            "{} {:?} {:?} {:?} {:?} {:?} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.scene.settings(),
+            self.scene.camera().resolution(),
+            self.pixel_centers,
+            (&self.kind, &self.layers),
+            self.max_error,
+            args.method
+        );
+        fingerprint.add(settings.as_bytes());
+        fingerprint.add(file.text().as_bytes());
+        for path in file.references() {
+            fingerprint.add_file(&path)?;
+        }
+        Ok(fingerprint)
+    }
+
     /// How to render, but for progress and stopping.
     pub fn options(&self) -> RenderOptions<'_> {
         RenderOptions {
             threads: self.threads,
             pixel_centers: self.pixel_centers,
             aovs: &self.layers,
+            crop: self.crop,
+            samples: self.sample_range,
+            max_error: self.max_error,
             ..RenderOptions::default()
         }
     }
@@ -130,7 +202,14 @@ impl RenderJob {
 /// # Errors
 /// Of the scene or any of its files.
 pub fn load(path: &Path, options: &LoadOptions<'_>, talk: Talk) -> Result<LoadedScene, Failure> {
-    let file = SceneFile::present(path, &options.limits)?;
+    load_file(&SceneFile::present(path, &options.limits)?, options, talk)
+}
+
+fn load_file(
+    file: &SceneFile,
+    options: &LoadOptions<'_>,
+    talk: Talk,
+) -> Result<LoadedScene, Failure> {
     let built = RefCell::new(None::<Progress>);
     let building = |build: &DistanceBuild<'_>| {
         drop(built.take());

@@ -5,6 +5,7 @@
 mod args;
 mod bake;
 mod check;
+mod checkpoint;
 mod denoise;
 mod diff;
 mod info;
@@ -12,6 +13,7 @@ mod interrupt;
 mod job;
 mod live;
 mod memory;
+mod merge;
 mod name;
 mod outcome;
 mod picture;
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Check(args) => check::run(args),
         Command::Diff(args) => diff::run(args),
+        Command::Merge(args) => merge::run(args),
     };
     match result {
         Ok(outcome) => ExitCode::from(outcome.code()),

@@ -2,8 +2,6 @@
 
 use rilievo_render::MemoryUse;
 
-use crate::picture::PictureKind;
-
 /// Resident before any file is read: code, allocator, terminal and threads' own pages.
 const PROCESS_BYTES: u64 = 8 << 20;
 
@@ -11,9 +9,9 @@ const PROCESS_BYTES: u64 = 8 << 20;
 /// decoders hold copies, and writing the picture. The first is over when this is asked, so it is
 /// taken from the system; the second is what `render` says, the picture being written, and the
 /// process.
-pub fn predicted_bytes(render: &MemoryUse, resolution: [u32; 2], picture: &PictureKind) -> u64 {
+pub fn predicted_bytes(render: &MemoryUse, resolution: [u32; 2], bytes_per_pixel: u64) -> u64 {
     let pixels = u64::from(resolution[0]) * u64::from(resolution[1]);
-    let writing = render.total() + pixels * picture.bytes_per_pixel() + PROCESS_BYTES;
+    let writing = render.total() + pixels * bytes_per_pixel + PROCESS_BYTES;
     writing.max(peak_rss_bytes().unwrap_or(0))
 }
 

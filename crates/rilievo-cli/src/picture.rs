@@ -1,7 +1,9 @@
 //! [`PictureKind`]: what of a film goes into the file, and how.
 
-use rilievo_io::image::{Attribute, Blocks, Picture, Stored, write_png_rgb8};
+use rilievo_io::film_file::Remainder;
+use rilievo_io::image::{Attribute, Blocks, Crop, Picture, Stored, write_png_rgb8};
 use rilievo_io::{Error, Result};
+use rilievo_render::film::Tile;
 use rilievo_render::film::false_colour::false_colour;
 use rilievo_render::film::tonemap::ToneMap;
 use rilievo_render::{Aov, Camera, Film, Integrator, RenderSettings};
@@ -95,6 +97,8 @@ pub struct Finished<'a> {
     pub settings: &'a RenderSettings,
     /// Camera rays per pixel.
     pub samples: u32,
+    /// What an EXR of a part of a render holds beside the picture.
+    pub remainder: Option<&'a Remainder>,
 }
 
 impl Finished<'_> {
@@ -126,37 +130,25 @@ impl Finished<'_> {
         path: &std::path::Path,
         colour: bool,
     ) -> std::result::Result<(), Error> {
-        let [width, height] = self.film.resolution();
-        let attributes = self.attributes();
-        let blocks = self.blocks;
-        let mut picture = Picture { width, height, blocks, attributes, ..Picture::default() };
-        if colour {
-            picture.push_interleaved(&["R", "G", "B"], self.colour().as_flattened(), self.stored);
-            if self.denoised.is_some() {
-                let (names, noisy) = (["Noisy.R", "Noisy.G", "Noisy.B"], self.film.radiance());
-                picture.push_interleaved(&names, noisy.as_flattened(), self.stored);
-            }
+        // Of what is gone on with no bit may be lost.
+        let part = self.remainder.is_some();
+        let stored = if part { Stored::Float } else { self.stored };
+        let shown = colour.then(|| self.colour());
+        let mut picture = exr(self.film, shown, stored, self.camera.resolution());
+        picture.blocks = self.blocks;
+        picture.attributes = self.attributes();
+        if colour && self.denoised.is_some() {
+            let (names, noisy) = (["Noisy.R", "Noisy.G", "Noisy.B"], self.film.radiance());
+            picture.push_interleaved(&names, noisy.as_flattened(), stored);
         }
-        for layer in self.film.layers() {
-            picture.push_interleaved(
-                layer.aov().channels(),
-                layer.values(),
-                self.stored_as(layer.aov()),
-            );
+        if let Some(remainder) = self.remainder {
+            remainder.add_to(&mut picture);
         }
         picture.write_exr(path)
     }
 
-    /// How a layer is stored: eleven bits are enough for colours and directions only.
-    fn stored_as(&self, aov: Aov) -> Stored {
-        match aov {
-            Aov::N | Aov::Ns | Aov::Albedo => self.stored,
-            Aov::P | Aov::Uv | Aov::Height | Aov::Steps | Aov::Z => Stored::Float,
-        }
-    }
-
     /// What the file says about itself: the same for the same picture, so neither time nor threads.
-    fn attributes(&self) -> Vec<(String, Attribute)> {
+    pub fn attributes(&self) -> Vec<(String, Attribute)> {
         let text = |name: &str, value: String| (name.to_owned(), Attribute::Text(value));
         let integer = |name: &str, value: u32| {
             let value = i32::try_from(value).unwrap_or(i32::MAX);
@@ -187,8 +179,36 @@ impl Finished<'_> {
         ];
         let denoiser = self.denoised.as_ref();
         let denoiser = denoiser.map(|(_, by)| text("rilievo/denoiser", by.name().to_owned()));
-        own.into_iter().chain(ndc).chain(denoiser).collect()
+        let mut all: Vec<_> = own.into_iter().chain(ndc).chain(denoiser).collect();
+        // As they are read back, so that joined parts write the same file.
+        all.sort_by(|a, b| a.0.cmp(&b.0));
+        all
     }
+}
+
+/// The channels of a film of an image of `image` pixels: a colour, if it is shown, and the layers.
+/// Of what is stored as halves, only colours and directions are: eleven bits are enough for those.
+pub fn exr<'a>(
+    film: &'a Film,
+    colour: Option<&'a [[f32; 3]]>,
+    stored: Stored,
+    image: [u32; 2],
+) -> Picture<'a> {
+    let [width, height] = film.resolution();
+    let crop = Crop { corner: film.window().corner, full: image };
+    let crop = (film.window() != Tile::whole(image)).then_some(crop);
+    let mut picture = Picture { width, height, crop, ..Picture::default() };
+    if let Some(colour) = colour {
+        picture.push_interleaved(&["R", "G", "B"], colour.as_flattened(), stored);
+    }
+    for layer in film.layers() {
+        let stored = match layer.aov() {
+            Aov::N | Aov::Ns | Aov::Albedo => stored,
+            Aov::P | Aov::Uv | Aov::Height | Aov::Steps | Aov::Z => Stored::Float,
+        };
+        picture.push_interleaved(layer.aov().channels(), layer.values(), stored);
+    }
+    picture
 }
 
 #[cfg(test)]

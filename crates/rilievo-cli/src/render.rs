@@ -1,16 +1,16 @@
 //! `rilievo render`: a scene to a picture.
 
-use rilievo_io::image::Blocks;
 use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats};
 use serde::Serialize;
 
+use crate::args::value::PictureFormat;
 use crate::args::{Backend, RenderArgs};
+use crate::checkpoint::{self, Before, Checkpoints};
 use crate::interrupt::Interrupt;
 use crate::job::RenderJob;
 use crate::live::LiveView;
 use crate::memory::peak_rss_bytes;
 use crate::outcome::{Failure, Outcome};
-use crate::picture::Finished;
 use crate::progress::Progress;
 use crate::report;
 use crate::stopwatch::Stopwatch;
@@ -36,8 +36,14 @@ struct Report {
     width: u32,
     height: u32,
     samples: u32,
-    /// Share of the pixels that are finished.
+    /// Share of the camera rays that need not be traced any more.
     finished: f64,
+    /// Whether it went on with an unfinished picture.
+    resumed: bool,
+    /// Samples a pixel that were taken, in the mean.
+    mean_samples: f64,
+    /// Samples that were left out because they were not finite or too large.
+    refused_samples: u64,
     complete: bool,
     output: String,
 }
@@ -68,35 +74,34 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads);
     pool.build_global().map_err(Failure::refused)?;
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
+    check_format(args)?;
     let job = RenderJob::open(args)?;
     let watch = Stopwatch::start();
+    let film = match checkpoint::before(args, &job)? {
+        Before::Nothing => None,
+        Before::Film(film) => Some(film),
+        Before::Picture => {
+            args.talk.line(format_args!("{} is finished", args.output.path.display()));
+            return Ok(Outcome::Done);
+        }
+    };
     let name = args.output.path.display().to_string();
-    let live =
-        LiveView::open(args.tev.as_deref(), &name, job.scene.camera().resolution(), args.talk);
-    let (film, stats, limited) = render(args, &job, (&interrupt, &live))?;
+    let live = LiveView::open(args.tev.as_deref(), &name, job.window().size, args.talk);
+    let resumed = film.is_some();
+    let (film, stats, limited) = render(args, &job, film, (&interrupt, &live))?;
     let rendering = watch.elapsed();
-    let share = share_finished(&film);
+    let share = film.rays_done() as f64 / film.rays() as f64;
     let output = &args.output;
-    // A picture without a single pixel is worth less than the one that is there.
+    // A picture without a single sample is worth less than the one that is there.
     let kept = share == 0.0 && output.path.exists();
     if !kept {
         let denoised = match args.denoise {
             Some(denoiser) => Some((denoiser.run(&film, args.threads)?, denoiser)),
             None => None,
         };
-        let finished = Finished {
-            film: &film,
-            denoised,
-            kind: &job.kind,
-            tone_map: job.tone_map,
-            stored: args.exr,
-            blocks: args.tiles.map_or(Blocks::Lines, Blocks::Tiles),
-            camera: job.scene.camera(),
-            settings: job.scene.settings(),
-            samples: job.samples,
-        };
-        finished.write(output)?;
-        live.close(finished.colour());
+        let shown = denoised.as_ref().map_or(film.radiance(), |(colour, _)| colour).to_vec();
+        checkpoint::write(&film, &job, denoised, output)?;
+        live.close(&shown);
     }
     let [width, height] = film.resolution();
     let report = Report {
@@ -113,6 +118,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
         height,
         samples: job.samples,
         finished: share,
+        resumed,
+        mean_samples: film.rays_taken() as f64 / film.finished().len() as f64,
+        refused_samples: stats.refused,
         complete: stats.complete,
         output: output.path.display().to_string(),
     };
@@ -130,24 +138,37 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
 fn render(
     args: &RenderArgs,
     job: &RenderJob,
+    film: Option<Film>,
     (interrupt, live): (&Interrupt, &LiveView),
 ) -> Result<(Film, RenderStats, bool), Failure> {
-    let [width, height] = job.scene.camera().resolution().map(u64::from);
-    let progress = Progress::counted(args.talk.quiet, "rendering", width * height);
+    let film = match film {
+        Some(film) => film,
+        None => rilievo_render::begin(&job.scene, &job.options()).map_err(Failure::refused)?,
+    };
+    let progress = Progress::counted(args.talk.quiet, "rendering", film.rays());
     let tell = |done, total| progress.update(done, total);
-    let watch = |film: &Film| live.watch(film);
+    let checkpoints = Checkpoints::new(args, job);
+    let watch = |film: &Film| {
+        live.watch(film);
+        checkpoints.watch(film);
+    };
     let options =
-        RenderOptions { watch: &watch, progress: &tell, cancel: interrupt.flag(), ..job.options() };
-    let work = || rilievo_render::render(&job.scene, &options);
+        RenderOptions { progress: &tell, watch: &watch, cancel: interrupt.flag(), ..job.options() };
+    let work = || rilievo_render::resume(&job.scene, &options, film);
     let (result, limited) = interrupt.limited(args.time_limit, work);
     drop(progress);
     let (film, stats) = result.map_err(Failure::refused)?;
     Ok((film, stats, limited))
 }
 
-fn share_finished(film: &Film) -> f64 {
-    let done = film.finished().iter().filter(|&&done| done).count();
-    done as f64 / film.finished().len() as f64
+/// A PNG holds no sums to go on from.
+fn check_format(args: &RenderArgs) -> Result<(), Failure> {
+    let part = &args.part;
+    if args.output.format == PictureFormat::Png && (part.resume || part.sample_range.is_some()) {
+        let why = "--resume and --sample-range keep more than a PNG holds; write an EXR";
+        return Err(Failure::Usage(why.to_owned()));
+    }
+    Ok(())
 }
 
 impl Report {
@@ -171,6 +192,12 @@ impl Report {
             report::bytes(self.bounds_bytes),
             report::bytes(self.predicted_bytes)
         ));
+        if self.refused_samples > 0 {
+            talk.line(format_args!(
+                "warning: {} samples were not finite or too large and are left out",
+                report::count(self.refused_samples)
+            ));
+        }
         let percent = 100.0 * self.finished;
         match (self.complete, kept) {
             (true, _) => talk.line(format_args!("wrote {}", self.output)),

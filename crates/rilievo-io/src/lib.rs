@@ -3,6 +3,7 @@
 //!
 //! | module | reads | writes |
 //! |---|---|---|
+//! | [`film_file`] | films that are not done, inside pictures | the same |
 //! | [`image`] | height maps, colour images, normal maps, pictures: PNG, TIFF, JPEG, EXR, PFM, HDR | EXR, PNG |
 //! | [`map_file`] | baked normals, distances, min-max bounds | the same |
 //! | [`mesh`] | models: OBJ with MTL, PLY, glTF, GLB | |
@@ -19,6 +20,7 @@
 
 pub mod atomic;
 mod error;
+pub mod film_file;
 mod guard;
 pub mod image;
 mod kind;

@@ -68,7 +68,7 @@ pub use colour::Rgb;
 pub use film::{Aov, Film, Filter, FilterKind};
 pub use integrator::{Integrator, RayCounts};
 pub use memory::MemoryUse;
-pub use render::{RenderError, RenderOptions, RenderStats, render};
+pub use render::{RenderError, RenderOptions, RenderStats, begin, check, render, resume};
 pub use sampler::{PathSampler, SamplerKind};
 pub use scene::{
     Camera, CameraError, CameraParts, Lens, Material, MaterialError, Pose, Projection, Reflectance,

@@ -58,8 +58,10 @@ impl MemoryUse {
         if scene.settings().integrator == Integrator::Path {
             all.geometry += scene.lighting().bytes();
         }
-        all.film = Film::predicted_bytes(scene.camera().resolution(), options.aovs);
-        let tile = Film::predicted_bytes([TILE; 2], options.aovs);
+        let size = options.crop.map_or(scene.camera().resolution(), |crop| crop.size);
+        let sums = scene.settings().integrator.sums();
+        all.film = Film::predicted_bytes(size, options.aovs, sums);
+        let tile = Film::predicted_bytes([TILE; 2], options.aovs, sums);
         all.threads = thread_count(options.threads) as u64 * (STACK + tile);
         all
     }

@@ -11,10 +11,24 @@ use rilievo::map::{
 };
 use rilievo::relief::Method;
 use rilievo_io::image::Stored;
+use rilievo_render::film::Tile;
 use rilievo_render::film::tonemap::{ToneMap, View};
 use rilievo_render::{Aov, Camera, Filter, FilterKind, Integrator, RenderSettings, SamplerKind};
 
 use crate::name;
+
+/// Where an EXR goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExrPath(pub PathBuf);
+
+impl ExrPath {
+    pub fn parser() -> impl TypedValueParser<Value = Self> {
+        PathBufValueParser::new().try_map(|path| {
+            let named = has_extension(&path, "exr");
+            if named { Ok(Self(path)) } else { Err("the name must end in .exr") }
+        })
+    }
+}
 
 /// How a picture is stored, told from the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,6 +171,38 @@ pub fn distance_kind() -> impl TypedValueParser<Value = DistanceKind> {
 
 pub fn bits() -> impl TypedValueParser<Value = DistanceBits> {
     named([("8", DistanceBits::U8), ("16", DistanceBits::U16)])
+}
+
+/// `A..B`: samples of a pixel by absolute index.
+pub fn sample_range(text: &str) -> Result<[u32; 2], String> {
+    let most = RenderSettings::MAX_SAMPLES;
+    let (first, end) = text.split_once("..").unwrap_or_default();
+    let range = first.parse().ok().zip(end.parse().ok());
+    let found = range.filter(|(first, end)| first < end && *end <= most);
+    let (first, end) = found
+        .ok_or_else(|| format!("expected A..B with A below B and B at most {most}, as 0..128"))?;
+    Ok([first, end])
+}
+
+/// `X0,Y0,X1,Y1`: the pixels of a window.
+pub fn crop(text: &str) -> Result<Tile, String> {
+    let found = parts::<u32, 4>(text, ',').filter(|[x0, y0, x1, y1]| x0 < x1 && y0 < y1);
+    let [x0, y0, x1, y1] = found.ok_or("expected X0,Y0,X1,Y1 with X0 below X1, Y0 below Y1")?;
+    Ok(Tile { corner: [x0, y0], size: [x1 - x0, y1 - y0] })
+}
+
+/// A relative error.
+pub fn max_error(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|error: &f64| error.is_finite() && *error > 0.0);
+    found.ok_or_else(|| "expected a number above 0, as 0.02".to_owned())
+}
+
+/// Seconds, or 0.
+pub fn interval(text: &str) -> Result<Duration, String> {
+    match text.parse::<f64>() {
+        Ok(0.0) => Ok(Duration::ZERO),
+        _ => seconds(text).map_err(|why| format!("{why}, or 0")),
+    }
 }
 
 /// `WxH` in pixels.

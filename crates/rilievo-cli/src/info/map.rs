@@ -126,10 +126,11 @@ impl Report {
             Samples::F32(_) => 32,
         };
         let (map_bytes, bounds_bytes) = relief.bytes();
-        let film = Film::predicted_bytes(resolution, &[]);
+        let film = Film::predicted_bytes(resolution, &[], false);
         let memory =
             MemoryUse { heights: map_bytes, bounds: bounds_bytes, film, ..MemoryUse::default() };
-        let predicted_bytes = predicted_bytes(&memory, resolution, &PictureKind::Colour);
+        let predicted_bytes =
+            predicted_bytes(&memory, resolution, PictureKind::Colour.bytes_per_pixel());
         // After the prediction: sorting values takes memory that no render needs.
         let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(heights);
         Self {

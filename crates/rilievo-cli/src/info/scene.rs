@@ -133,7 +133,11 @@ impl Report {
             map_bytes: memory.heights + memory.textures,
             bounds_bytes: memory.bounds,
             film_bytes: memory.film,
-            predicted_bytes: predicted_bytes(&memory, resolution, &PictureKind::Colour),
+            predicted_bytes: predicted_bytes(
+                &memory,
+                resolution,
+                PictureKind::Colour.bytes_per_pixel(),
+            ),
         };
         for surface in scene.world().surfaces() {
             let surface = match surface {

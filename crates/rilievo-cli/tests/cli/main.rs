@@ -3,9 +3,12 @@
 mod bad_inputs;
 mod determinism;
 mod diff;
+#[cfg(unix)]
+mod killed;
 mod live;
 mod maps;
 mod models;
+mod parts;
 mod render;
 mod stopped;
 mod support;

@@ -15,6 +15,7 @@ fn every_help_is_complete_and_ends_with_examples() {
         "info",
         "check",
         "diff",
+        "merge",
     ];
     for command in commands {
         let help = folder.run(&format!("{command} --help")).expect(0).stdout;
@@ -47,6 +48,11 @@ fn every_help_is_complete_and_ends_with_examples() {
         "--exposure",
         "--max-memory",
         "--time-limit",
+        "--checkpoint",
+        "--resume",
+        "--sample-range",
+        "--crop",
+        "--max-error",
         "--json",
         "--quiet",
     ];
@@ -115,6 +121,16 @@ fn nonsense_is_a_usage_error_before_any_work() {
         "render scene.toml -o out.exr --exr double",
         "render scene.toml -o out.exr --tiles 8",
         "render scene.toml -o out.png --filter-radius 0",
+        "render scene.toml -o out.png --resume",
+        "render scene.toml -o out.png --sample-range 0..2",
+        "render scene.toml -o out.exr --sample-range 2..2",
+        "render scene.toml -o out.exr --sample-range 2",
+        "render scene.toml -o out.exr --crop 0,0,4",
+        "render scene.toml -o out.exr --crop 4,0,4,4",
+        "render scene.toml -o out.exr --max-error 0",
+        "render scene.toml -o out.exr --checkpoint soon",
+        "merge -o out.exr",
+        "merge a.exr b.exr -o out.png",
         "bake map.png -o out.map",
         "bake distance map.png -o out.map --size 4,4",
         "bake distance map.png -o out.map --size 1,4,4 --kind corrected",

@@ -19,13 +19,10 @@ impl LayerSum {
 
     /// Adds what a camera ray of the scene met, and the work it took.
     pub(super) fn add(&mut self, aov: Aov, scene: &Scene, hit: Option<&Hit>, work: u64) {
-        let value = match hit {
-            Some(hit) => value(aov, scene, hit, work),
-            None if aov == Aov::Steps => DVec3::new(work as f64, 0.0, 0.0),
-            None => return,
-        };
-        self.sum += value;
-        self.samples += 1;
+        if let Some(value) = layer_value(aov, scene, hit, work) {
+            self.sum += value;
+            self.samples += 1;
+        }
     }
 
     /// Writes the mean to the channels of a pixel.
@@ -38,6 +35,15 @@ impl LayerSum {
         for (channel, value) in channels.iter_mut().zip(mean.to_array()) {
             *channel = value as f32;
         }
+    }
+}
+
+/// What a layer shows of what a camera ray met, in its first channels, if anything.
+pub(super) fn layer_value(aov: Aov, scene: &Scene, hit: Option<&Hit>, work: u64) -> Option<DVec3> {
+    match hit {
+        Some(hit) => Some(value(aov, scene, hit, work)),
+        None if aov == Aov::Steps => Some(DVec3::new(work as f64, 0.0, 0.0)),
+        None => None,
     }
 }
 

@@ -28,6 +28,15 @@ impl Integrator {
     /// All integrators.
     pub const ALL: [Self; 3] = [Self::Distributed, Self::Path, Self::Aov];
 
+    /// Whether its pixels are sums of independent samples, which may be taken bit by bit: see
+    /// [`mod@crate::render`].
+    pub fn sums(self) -> bool {
+        match self {
+            Self::Path => true,
+            Self::Distributed | Self::Aov => false,
+        }
+    }
+
     /// The name in scene files and on the command line.
     pub fn name(self) -> &'static str {
         match self {

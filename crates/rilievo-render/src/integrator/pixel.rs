@@ -3,11 +3,12 @@
 use glam::DVec2;
 use rilievo::{Counters, Hit, Ray};
 
-use super::aov::{LayerSum, headlight};
+use super::aov::{LayerSum, headlight, layer_value};
 use super::distributed::{Distributed, Path};
 use super::path::PathTracer;
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
+use crate::film::sums::PixelSums;
 use crate::film::{Aov, PixelMut};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::{Camera, Scene};
@@ -45,69 +46,100 @@ impl<'a> PixelTracer<'a> {
         self.rays
     }
 
+    /// Samples that a pixel takes in all.
+    fn samples(&self) -> u64 {
+        if self.pixel_centers { 1 } else { u64::from(self.scene.settings().samples) }
+    }
+
     /// Takes all samples of `pixel` and writes their means to `out`.
     pub(crate) fn trace(&mut self, pixel: [u32; 2], out: &mut PixelMut<'_>) {
-        let settings = self.scene.settings();
-        let samples = if self.pixel_centers { 1 } else { u64::from(settings.samples) };
-        self.table.start(Sampler::new(settings.seed, pixel));
+        let samples = self.samples();
+        self.table.start(Sampler::new(self.scene.settings().seed, pixel));
         self.sums.clear();
         self.sums.resize(out.layers().count(), LayerSum::EMPTY);
         let steps = out.layers().any(|(aov, _)| aov == Aov::Steps);
         let (mut radiance, mut weights) = (Rgb::ZERO, 0.0);
         for first in (0..samples).step_by(PACKET) {
-            let strands = (first..samples.min(first + PACKET as u64))
-                .map(|index| Strand { index, count: samples });
-            self.packet.rays.clear();
-            self.packet.weights.clear();
-            self.packet.numbers.clear();
-            let camera = self.scene.camera();
-            for Strand { index, count } in strands.clone() {
-                let mut numbers =
-                    PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
-                let u = match (self.pixel_centers, &self.paths) {
-                    (true, _) => None,
-                    (false, Some(_)) => Some(CameraNumbers::of(camera, |_| numbers.two())),
-                    (false, None) => {
-                        let strand = Strand { index, count };
-                        let table = &mut self.table;
-                        Some(CameraNumbers::of(camera, |what| table.point(what, strand)))
-                    }
-                };
-                let (ray, weight) = self.camera_ray(pixel, index, u);
-                self.packet.rays.push(ray);
-                self.packet.weights.push(weight);
-                self.packet.numbers.push(numbers);
-            }
-            self.rays.camera += self.packet.rays.len() as u64;
-            self.packet.trace(self.scene, steps);
-            for (k, strand) in strands.enumerate() {
-                let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+            self.shoot(pixel, [first, samples], steps);
+            for k in 0..self.packet.rays.len() {
                 let weight = self.packet.weights[k];
                 weights += weight;
-                let seen = match (settings.integrator, &self.paths) {
-                    (Integrator::Path, Some(paths)) => {
-                        let numbers = &mut self.packet.numbers[k];
-                        paths.radiance(ray, hit, numbers, &mut self.rays)
-                    }
-                    (Integrator::Distributed, _) => {
-                        let (table, rays) = (&mut self.table, &mut self.rays);
-                        let mut tree = Distributed { scene: self.scene, table, rays };
-                        tree.radiance(ray, hit, Path::from_camera(strand))
-                    }
-                    (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
-                };
-                radiance += weight * seen;
+                radiance += weight * self.seen(k, first);
                 if weight < 0.0 {
                     continue;
                 }
+                let (hit, work) = (self.packet.hits[k].as_ref(), self.packet.work[k]);
                 for ((aov, _), sum) in out.layers().zip(&mut self.sums) {
-                    sum.add(aov, self.scene, hit, self.packet.work[k]);
+                    sum.add(aov, self.scene, hit, work);
                 }
             }
         }
         *out.radiance = (radiance / weights).to_array().map(|channel| channel as f32);
         for ((aov, channels), sum) in out.layers().zip(&self.sums) {
             sum.store(aov, channels);
+        }
+    }
+
+    /// Adds the samples of `pixel` from the first of two absolute indices up to the second.
+    pub(crate) fn extend(&mut self, pixel: [u32; 2], range: [u32; 2], sums: &mut PixelSums<'_>) {
+        self.table.start(Sampler::new(self.scene.settings().seed, pixel));
+        let steps = sums.aovs().contains(&Aov::Steps);
+        let [first, end] = range.map(u64::from);
+        for first in (first..end).step_by(PACKET) {
+            self.shoot(pixel, [first, end], steps);
+            for k in 0..self.packet.rays.len() {
+                let weight = self.packet.weights[k];
+                sums.add(self.seen(k, first), weight);
+                if weight > 0.0 {
+                    let (hit, work) = (self.packet.hits[k].as_ref(), self.packet.work[k]);
+                    sums.add_layers(hit.is_some(), |aov| layer_value(aov, self.scene, hit, work));
+                }
+            }
+        }
+    }
+
+    /// Finds what the camera rays of one packet of samples meet: those of absolute index `first` and
+    /// after, but not of `end` and beyond.
+    fn shoot(&mut self, pixel: [u32; 2], [first, end]: [u64; 2], steps: bool) {
+        let (count, settings) = (self.samples(), self.scene.settings());
+        let camera = self.scene.camera();
+        self.packet.rays.clear();
+        self.packet.weights.clear();
+        self.packet.numbers.clear();
+        for index in first..end.min(first + PACKET as u64) {
+            let mut numbers =
+                PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
+            let u = match (self.pixel_centers, &self.paths) {
+                (true, _) => None,
+                (false, Some(_)) => Some(CameraNumbers::of(camera, |_| numbers.two())),
+                (false, None) => {
+                    let (table, strand) = (&mut self.table, Strand { index, count });
+                    Some(CameraNumbers::of(camera, |what| table.point(what, strand)))
+                }
+            };
+            let (ray, weight) = self.camera_ray(pixel, index, u);
+            self.packet.rays.push(ray);
+            self.packet.weights.push(weight);
+            self.packet.numbers.push(numbers);
+        }
+        self.rays.camera += self.packet.rays.len() as u64;
+        self.packet.trace(self.scene, steps);
+    }
+
+    /// The radiance that comes against camera ray `k` of a packet that begins with sample `first`.
+    fn seen(&mut self, k: usize, first: u64) -> Rgb {
+        let strand = Strand { index: first + k as u64, count: self.samples() };
+        let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+        match (self.scene.settings().integrator, &self.paths) {
+            (Integrator::Path, Some(paths)) => {
+                paths.radiance(ray, hit, &mut self.packet.numbers[k], &mut self.rays)
+            }
+            (Integrator::Distributed, _) => {
+                let (table, rays) = (&mut self.table, &mut self.rays);
+                let mut tree = Distributed { scene: self.scene, table, rays };
+                tree.radiance(ray, hit, Path::from_camera(strand))
+            }
+            (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
         }
     }
 

@@ -68,7 +68,7 @@ fn another_seed_gives_another_image_of_the_same_scene() {
 }
 
 #[test]
-fn progress_ends_at_the_number_of_pixels() {
+fn progress_ends_at_the_number_of_camera_rays() {
     let seen = Mutex::new(Vec::new());
     let progress = |done, total| seen.lock().unwrap().push((done, total));
     let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
@@ -86,7 +86,7 @@ fn stopping_keeps_finished_tiles() {
     let scene = scene(settings);
     let whole = render(&scene, &RenderOptions::default()).unwrap().0;
     let cancel = AtomicBool::new(false);
-    let progress = |done, _| cancel.store(done >= 1000, Ordering::Relaxed);
+    let progress = |done, _| cancel.store(done >= 2000, Ordering::Relaxed);
     let options =
         RenderOptions { progress: &progress, cancel: &cancel, ..RenderOptions::default() };
     let (film, stats) = render(&scene, &options).unwrap();

@@ -5,6 +5,7 @@ mod closed_forms;
 mod determinism;
 mod interreflection;
 mod layers;
+mod parts;
 mod paths;
 mod relief;
 mod scene;

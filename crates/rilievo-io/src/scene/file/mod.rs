@@ -133,6 +133,11 @@ impl SceneFile {
         Error::Reference { fault: Box::new(fault), source: Box::new(source) }
     }
 
+    /// What it says.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

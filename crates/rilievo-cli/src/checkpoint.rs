@@ -1,0 +1,145 @@
+//! [`Checkpoints`]: the picture so far, saved now and then; and going on from it.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use rilievo_io::Limits;
+use rilievo_io::film_file::{FilmFile, Remainder};
+use rilievo_io::image::ChannelImage;
+use rilievo_render::Film;
+
+use crate::args::value::{PictureFormat, PicturePath};
+use crate::args::{RenderArgs, Talk};
+use crate::denoise::Denoiser;
+use crate::job::RenderJob;
+use crate::outcome::Failure;
+use crate::picture::Finished;
+
+/// Writes a film as often as asked for.
+pub struct Checkpoints<'a> {
+    job: &'a RenderJob,
+    output: &'a PicturePath,
+    talk: Talk,
+    /// None: never.
+    every: Option<Duration>,
+    state: Mutex<State>,
+}
+
+struct State {
+    /// When the last one was written, or the render begun.
+    last: Instant,
+    /// One could not be written, and it was said.
+    failed: bool,
+}
+
+impl<'a> Checkpoints<'a> {
+    pub fn new(args: &'a RenderArgs, job: &'a RenderJob) -> Self {
+        let every = args.part.checkpoint;
+        let asked = args.output.format == PictureFormat::Exr && !every.is_zero();
+        Self {
+            job,
+            output: &args.output,
+            talk: args.talk,
+            every: asked.then_some(every),
+            state: Mutex::new(State { last: Instant::now(), failed: false }),
+        }
+    }
+
+    /// Writes the film if it is time. The last picture stays where one cannot be written; rendering
+    /// goes on all the same.
+    pub fn watch(&self, film: &Film) {
+        let (Some(every), Ok(mut state)) = (self.every, self.state.try_lock()) else { return };
+        if state.failed || state.last.elapsed() < every || film.is_complete() {
+            return;
+        }
+        if let Err(why) = write(film, self.job, None, self.output) {
+            self.talk.line(format_args!("warning: no checkpoint was written: {why}"));
+            state.failed = true;
+        }
+        // Writing counts as no time, so that it never takes more than its share.
+        state.last = Instant::now();
+    }
+}
+
+/// Writes a film, with what is needed to go on with it unless it is all of a picture.
+///
+/// # Errors
+/// Of the file.
+pub fn write(
+    film: &Film,
+    job: &RenderJob,
+    denoised: Option<(Vec<[f32; 3]>, Denoiser)>,
+    output: &PicturePath,
+) -> Result<(), rilievo_io::Error> {
+    let image = job.scene.camera().resolution();
+    let whole = film.is_complete() && !job.is_part();
+    let rest = (output.format == PictureFormat::Exr && !whole)
+        .then(|| Remainder::of(film, image, &job.fingerprint.to_string()));
+    Finished { denoised, ..finished(film, job, rest.as_ref()) }.write(output)
+}
+
+fn finished<'a>(
+    film: &'a Film,
+    job: &'a RenderJob,
+    remainder: Option<&'a Remainder>,
+) -> Finished<'a> {
+    Finished {
+        film,
+        kind: &job.kind,
+        tone_map: job.tone_map,
+        denoised: None,
+        stored: job.stored,
+        blocks: job.blocks,
+        camera: job.scene.camera(),
+        settings: job.scene.settings(),
+        samples: job.samples,
+        remainder,
+    }
+}
+
+/// What there is to go on from.
+pub enum Before {
+    /// Nothing: the render begins.
+    Nothing,
+    /// A part of the film.
+    Film(Film),
+    /// The whole picture.
+    Picture,
+}
+
+/// Looks for an unfinished picture of this render under the name of the output.
+///
+/// # Errors
+/// Of the file; [`Failure::Refused`] for a picture of another render.
+pub fn before(args: &RenderArgs, job: &RenderJob) -> Result<Before, Failure> {
+    let path = &args.output.path;
+    if !args.part.resume || !path.exists() {
+        return Ok(Before::Nothing);
+    }
+    let refuse =
+        |why: &str| Err(Failure::Refused(format!("{}: {why}; write another file", path.display())));
+    let limits = Limits::default();
+    let empty = rilievo_render::begin(&job.scene, &job.options()).map_err(Failure::refused)?;
+    let Some(file) = FilmFile::read(path, &limits)? else {
+        let picture = ChannelImage::read(path, &limits)?;
+        let mut asked = finished(&empty, job, None).attributes();
+        for (name, value) in &mut asked {
+            if name == "rilievo/complete" {
+                *value = rilievo_io::image::Attribute::Integer(1);
+            }
+        }
+        let same = asked.iter().all(|(name, value)| picture.attribute(name) == Some(value))
+            && [picture.width, picture.height] == empty.resolution();
+        return match same && !job.is_part() {
+            true => Ok(Before::Picture),
+            false => refuse("no unfinished picture of this render"),
+        };
+    };
+    if file.fingerprint != job.fingerprint.to_string() {
+        return refuse("a picture of another scene, or with other settings or another seed");
+    }
+    if (file.film.window(), file.film.samples()) != (empty.window(), empty.samples()) {
+        return refuse("another part of this render");
+    }
+    Ok(Before::Film(file.film))
+}

@@ -1,0 +1,111 @@
+//! `rilievo merge`: parts of a render into the picture of one run.
+
+use std::path::Path;
+
+use rilievo_io::Limits;
+use rilievo_io::film_file::{FilmFile, Remainder};
+use rilievo_io::image::{Attribute, Blocks, Stored};
+use rilievo_render::film::{JoinError, Tile, join};
+use serde::Serialize;
+
+use crate::args::MergeArgs;
+use crate::outcome::{Failure, Outcome};
+use crate::picture::exr;
+
+/// The JSON object.
+#[derive(Serialize)]
+struct Report {
+    parts: usize,
+    width: u32,
+    height: u32,
+    /// Absolute indices of the samples: the first and the first beyond.
+    samples: [u32; 2],
+    /// Whether it is all of the render.
+    complete: bool,
+    output: String,
+}
+
+pub fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
+    let mut files = Vec::with_capacity(args.parts.len());
+    for path in &args.parts {
+        files.push(read(path)?);
+    }
+    let first = files.first().ok_or_else(|| Failure::Usage("no parts".to_owned()))?;
+    for (file, path) in files.iter().zip(&args.parts) {
+        if (&file.fingerprint, file.image) != (&first.fingerprint, first.image) {
+            return Err(Failure::Refused(format!(
+                "{} and {} are of different renders: scene, files, settings or seed are not the same",
+                args.parts[0].display(),
+                path.display()
+            )));
+        }
+    }
+    let (image, fingerprint, colour) = (first.image, first.fingerprint.clone(), first.colour);
+    let attributes = first.attributes.clone();
+    let film = join(files.into_iter().map(|file| file.film).collect())
+        .map_err(|why| refused(&why, &args.parts))?;
+    let samples = attributes.iter().find(|(name, _)| name == "samplesPerPixel");
+    let complete = film.window() == Tile::whole(image)
+        && samples.is_some_and(|(_, count)| match count {
+            Attribute::Integer(count) => film.samples() == [0, count.unsigned_abs()],
+            _ => false,
+        });
+    let rest = (!complete).then(|| Remainder::of(&film, image, &fingerprint));
+    let shown = colour.then(|| film.radiance());
+    let stored = if complete { args.exr } else { Stored::Float };
+    let mut picture = exr(&film, shown, stored, image);
+    picture.blocks = args.tiles.map_or(Blocks::Lines, Blocks::Tiles);
+    picture.attributes = attributes;
+    if let Some(rest) = &rest {
+        rest.add_to(&mut picture);
+    }
+    picture.write_exr(&args.output.0)?;
+    let [width, height] = film.resolution();
+    let report = Report {
+        parts: args.parts.len(),
+        width,
+        height,
+        samples: film.samples(),
+        complete,
+        output: args.output.0.display().to_string(),
+    };
+    let what = if complete { "all of the render" } else { "a part of the render" };
+    let [from, to] = report.samples;
+    args.talk.line(format_args!(
+        "{width} x {height} pixels, samples {from} to {to}: {what}; wrote {}",
+        report.output
+    ));
+    args.talk.object(&report)?;
+    Ok(Outcome::Done)
+}
+
+fn read(path: &Path) -> Result<FilmFile, Failure> {
+    FilmFile::read(path, &Limits::default())?.ok_or_else(|| {
+        Failure::Refused(format!(
+            "{}: no part of a render; render --sample-range and render --crop write parts",
+            path.display()
+        ))
+    })
+}
+
+/// Names the files that do not fit.
+fn refused(why: &JoinError, parts: &[std::path::PathBuf]) -> Failure {
+    let name = |at: usize| parts[at].display();
+    Failure::Refused(match why {
+        JoinError::Unfinished { film } => {
+            format!("{}: unfinished; go on with it by render --resume first", name(*film))
+        }
+        JoinError::Layers { films: [a, b] } => {
+            format!("{} and {} do not hold the same layers", name(*a), name(*b))
+        }
+        JoinError::Overlap { films: [a, b], pixel: [x, y], sample } => format!(
+            "{} and {} overlap: both have sample {sample} of pixel ({x}, {y})",
+            name(*a),
+            name(*b)
+        ),
+        JoinError::Gap { pixel: [x, y], sample } => {
+            format!("the parts leave a gap: none has sample {sample} of pixel ({x}, {y})")
+        }
+        JoinError::None | JoinError::Film(_) => why.to_string(),
+    })
+}
