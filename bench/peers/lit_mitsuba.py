@@ -86,6 +86,10 @@ def material_of(material):
         eta, k = material["conductor"]
         inner = {"type": "roughconductor", "distribution": "ggx", "alpha": material["roughness"] ** 2,
                  "eta": rgb(eta), "k": rgb(k)}
+    elif "mirror" in material:
+        # No Fresnel curve: the same share at every angle.
+        inner = {"type": "conductor", "material": "none",
+                 "specular_reflectance": rgb(material["mirror"])}
     elif "texture" in material:
         inner = {"type": "diffuse",
                  "reflectance": {"type": "bitmap", "filename": str(material["texture"])}}

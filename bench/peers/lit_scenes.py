@@ -16,7 +16,7 @@ import environment
 #: Texels of the sky along the horizon; half as many from pole to pole.
 SKY = 256
 #: Samples of the maps that are made here, along each side.
-STUDS, HILLS = 256, (512, 256)
+STUDS, HILLS = 1024, (512, 256)
 
 
 @dataclass
@@ -38,7 +38,7 @@ class Scene:
     look_at: tuple
     fov: float
     max_depth: int
-    #: By name: `diffuse` or `texture`, `conductor` (eta and k) with `roughness`, `emitted`.
+    #: By name: `diffuse` or `texture`, `mirror`, `conductor` (eta and k) with `roughness`, `emitted`.
     materials: dict
     shapes: list = field(default_factory=list)
     #: Whether the sky shines.
@@ -109,6 +109,10 @@ def scenes(folder):
         {**PAINTS, "metal": {"conductor": COPPER, "roughness": 0.3}},
         [floor] + walls()[1:],
     )
+    mirrors = Scene(
+        studs.position, studs.look_at, studs.fov, studs.max_depth,
+        {**PAINTS, "metal": {"mirror": (0.9, 0.8, 0.6)}}, studs.shapes,
+    )
     ball = Scene(
         (0, -4, 1.2), (0, 0, 0), 32.0, 4, {"clay": {"diffuse": (0.7, 0.6, 0.5)}},
         [Shape("clay", sphere=((0, 0, 0), 0.9), relief=(folder / "hills.png", 0.2, 0.5, "vertex"))],
@@ -127,7 +131,7 @@ def scenes(folder):
         ],
         sky=True,
     )
-    return {"cornell": cornell, "studs": studs, "ball": ball, "tiles": set_}
+    return {"cornell": cornell, "studs": studs, "mirrors": mirrors, "ball": ball, "tiles": set_}
 
 
 def sky(x, y, z):
@@ -201,6 +205,8 @@ def scene_file(scene, folder, resolution):
         for key, value in material.items():
             if key == "texture":
                 lines.append(f"texture = {json.dumps(str(value))}")
+            elif key == "mirror":
+                lines += ["diffuse = [0, 0, 0]", f"reflective = {list(value)}"]
             elif key == "conductor":
                 eta, k = value
                 # Mitsuba puts back nothing of what several facets reflect.
