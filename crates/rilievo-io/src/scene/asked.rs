@@ -27,12 +27,16 @@ pub fn note(table: &str, key: &'static str) {
     });
 }
 
-/// A table's name without numbers and names of the author's: `maps.NAME`, `shapes[].transform`.
+/// A table's name without numbers and names of the author's: `maps.NAME`, `shapes[].transform`;
+/// of images `materials.NAME.IMAGE`.
 fn place(table: &str) -> String {
     let mut place = String::new();
     for (depth, word) in table.split('.').enumerate() {
-        let named = depth == 1 && (place == "maps" || place == "materials");
-        let word = if named { "NAME" } else { word };
+        let word = match (depth, place.as_str()) {
+            (1, "maps" | "materials") => "NAME",
+            (2, "materials.NAME") if word != "normals" => "IMAGE",
+            _ => word,
+        };
         let bare = word.split('[').next().unwrap_or(word);
         place += if depth > 0 { "." } else { "" };
         place += bare;

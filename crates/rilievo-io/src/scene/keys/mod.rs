@@ -93,9 +93,10 @@ mod tests {
     use super::super::{SceneFile, asked};
     use super::*;
 
-    /// A shape that the valid scenes of the tests lack.
-    const TERRAIN: &str = "[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\n\
-        [[shapes]]\ntype = \"terrain\"\nmap = \"ground\"\n";
+    /// A shape and a metal that the valid scenes of the tests lack.
+    const REST: &str = "[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\n\
+        [[shapes]]\ntype = \"terrain\"\nmap = \"ground\"\n\
+        [materials.metal]\nmodel = \"conductor\"\neta = [1, 1, 1]\nk = [3, 3, 3]\n";
 
     const PAGE: &str = include_str!("../../../../../docs/SCENE.md");
 
@@ -116,7 +117,7 @@ mod tests {
                 SceneFile::parse(&text, &path).unwrap();
             }
         }
-        SceneFile::parse(TERRAIN, Path::new("terrain.toml")).unwrap();
+        SceneFile::parse(REST, Path::new("rest.toml")).unwrap();
         let mut told: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
         for section in SECTIONS {
             let keys = section.keys.iter().map(|key| key.name);
