@@ -57,7 +57,8 @@ impl Input {
         }
         let mut input = Self { size: [width as usize, height as usize], pixels };
         input.find_edges();
-        input.set_variances(&input.spread());
+        let variances = input.sampled(film).unwrap_or_else(|| input.spread());
+        input.set_variances(&variances);
         Ok(input)
     }
 
@@ -95,6 +96,14 @@ impl Input {
         let albedo = square_distance(p.albedo, q.albedo) * p.steepness[0];
         let normal = square_distance(p.normal, q.normal) * p.steepness[1];
         albedo.max(normal)
+    }
+
+    /// Variances of the mean channel, from the samples of each pixel; `None` if the film does not know
+    /// them, or took one sample of a pixel only.
+    fn sampled(&self, film: &Film) -> Option<Vec<f32>> {
+        let sums = film.sums()?;
+        let variance = |at: usize| sums.estimate(at).1.map(|error| (error * error) as f32);
+        (0..self.pixels.len()).map(variance).collect()
     }
 
     /// Variances of the mean channel, estimated from the differences of each pixel to the mean of its

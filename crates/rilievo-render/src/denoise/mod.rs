@@ -11,9 +11,10 @@
 //! - the smaller of the three counts.
 //!
 //! What we changed. Light is divided by the albedo before and multiplied by it after, so that a
-//! texture is no part of what is averaged. Variances are estimated from the differences among
-//! neighbours of one surface, and smoothed so that pixels without a single bright path do not pass
-//! for quiet ones. One buffer serves for weights and means, where the paper takes two halves of the
+//! texture is no part of what is averaged. Variances are those of the samples of each pixel, taken as
+//! independent; of integrators that keep none they are estimated from the differences among
+//! neighbours of one surface. Both are smoothed, so that pixels without a single bright path do not
+//! pass for quiet ones. One buffer serves for weights and means, where the paper takes two halves of the
 //! samples: half the memory, a little less noise taken away. No filter is chosen among several by
 //! Stein's estimate.
 //!

@@ -3,6 +3,7 @@
 use std::f32::consts::TAU;
 
 use super::*;
+use crate::colour::Rgb;
 use crate::film::Tile;
 
 const SIZE: [u32; 2] = [96, 64];
@@ -32,9 +33,27 @@ fn film(pixel: impl Fn(u32, u32) -> ([f32; 3], [f32; 3], [f32; 3])) -> Film {
             channels.copy_from_slice(if aov == Aov::Albedo { &albedo } else { &normal });
         }
     }
-    let mut done = Film::new(SIZE, &GUIDES).unwrap();
-    done.insert(Tile { corner: [0, 0], size: SIZE }, &film);
-    done
+    film.set_finished(true);
+    film
+}
+
+/// A film that knows the samples of each pixel: sixteen.
+fn sampled(pixel: impl Fn(u32, u32, u32) -> ([f32; 3], [f32; 3], [f32; 3])) -> Film {
+    let mut film = Film::of_window(Tile::whole(SIZE), [0, 16], &GUIDES, true).unwrap();
+    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+        let mut sums = film.pixel_sums(x, y).unwrap();
+        for sample in 0..16 {
+            let [radiance, albedo, normal] = {
+                let (radiance, albedo, normal) = pixel(x, y, sample);
+                [radiance, albedo, normal].map(|v| Rgb::from_array(v.map(f64::from)))
+            };
+            sums.add(radiance, 1.0);
+            sums.add_layers(true, |aov| Some(if aov == Aov::Albedo { albedo } else { normal }));
+        }
+    }
+    film.store_sums();
+    film.set_finished(true);
+    film
 }
 
 /// Two walls under a light that falls off, one of them with fine stripes, and a shadow that no
@@ -72,6 +91,26 @@ fn noise_falls_to_a_fraction() {
         let after = rmse(&denoise(&noisy).unwrap(), clean.radiance());
         assert!(after * factor < before, "{share}: {before} to {after}");
     }
+}
+
+#[test]
+fn variances_of_samples_take_more_off_than_guesses() {
+    let clean = film(room);
+    // In the shadow there is four times as much noise, for its light.
+    let known = sampled(|x, y, sample| {
+        let (radiance, albedo, normal) = room(x, y);
+        let share = if y > 40 { 2.0 } else { 0.5 };
+        (radiance.map(|c| c * (1.0 + share * deviate(x, y, sample))), albedo, normal)
+    });
+    let at = |x: u32, y: u32| (y * SIZE[0] + x) as usize;
+    let guessed = film(|x, y| {
+        let (_, albedo, normal) = room(x, y);
+        (known.radiance()[at(x, y)], albedo, normal)
+    });
+    let error = |film: &Film| rmse(&denoise(film).unwrap(), clean.radiance());
+    let (before, better, worse) =
+        (rmse(known.radiance(), clean.radiance()), error(&known), error(&guessed));
+    assert!(better * 3.5 < before && better < worse, "{before} {better} {worse}");
 }
 
 #[test]
