@@ -47,15 +47,20 @@ impl MemoryUse {
         for surface in surfaces {
             all.add(surface, &mut first);
         }
+        // Only paths have footprints, and ask for coarser images.
+        let paths = scene.settings().integrator == Integrator::Path;
         for material in scene.materials() {
             for texture in material.textures() {
                 if first(Arc::as_ptr(&texture.image).cast()) {
                     all.textures += texture.image.bytes();
+                    if paths {
+                        all.textures += texture.image.coarser_bytes();
+                    }
                 }
             }
         }
         all.textures += scene.environment().map_or(0, Environment::bytes);
-        if scene.settings().integrator == Integrator::Path {
+        if paths {
             all.geometry += scene.lighting().bytes();
         }
         let size = options.crop.map_or(scene.camera().resolution(), |crop| crop.size);
