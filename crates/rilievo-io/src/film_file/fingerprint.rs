@@ -113,7 +113,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a");
         for length in [0, 1, 8, 65535, 65536, 65537, 200_003] {
-            let bytes: Vec<u8> = (0..length).map(|k| (k * k / 7) as u8).collect();
+            let bytes: Vec<u8> = (0..length).map(|k: u64| (k * k / 7) as u8).collect();
             std::fs::write(&path, &bytes).unwrap();
             let mut fingerprint = Fingerprint::default();
             fingerprint.add_file(&path).unwrap();
