@@ -39,6 +39,8 @@ pub(super) struct PathTracer<'a> {
     /// Width of a camera ray's share of the picture, scene units per unit of distance.
     spread: f64,
     max_depth: u32,
+    /// Whether there is more than one light.
+    chooses: bool,
     /// Largest channel of what a bounce may bring; infinite where nothing is clamped.
     clamp: f64,
 }
@@ -56,8 +58,8 @@ impl<'a> PathTracer<'a> {
     pub(super) fn new(scene: &'a Scene, spread: f64) -> Self {
         let settings = scene.settings();
         let clamp = if settings.clamp > 0.0 { settings.clamp } else { f64::INFINITY };
-        let max_depth = settings.max_depth;
-        Self { scene, lighting: scene.lighting(), spread, max_depth, clamp }
+        let (lighting, max_depth) = (scene.lighting(), settings.max_depth);
+        Self { scene, lighting, spread, max_depth, chooses: lighting.chooses(), clamp }
     }
 
     /// An estimate of the radiance that comes against a camera ray, given what it meets.
@@ -97,10 +99,9 @@ impl<'a> PathTracer<'a> {
             let facing = if hit.front { hit.geometric_normal } else { -hit.geometric_normal };
             let both_sides = bsdf.transmits();
             let at = Receiver { position: hit.position, normal: Some(facing), both_sides };
-            // Always drawn, so that every bounce has dimensions of its own.
-            let (choice, point) = (sampler.one(), sampler.two());
-            let (lobe, place) = (sampler.one(), sampler.two());
-            let survival = sampler.one();
+            // Drawn whether or not they are used, so that every bounce has dimensions of its own.
+            let choice = if self.chooses { sampler.one() } else { 0.0 };
+            let (point, lobe, place) = (sampler.two(), sampler.one(), sampler.two());
             if !bsdf.is_delta()
                 && let Some((sample, surface)) = self.lighting.sample(world, &at, choice, point)
                 // A flat quad or a sphere cannot light itself.
@@ -117,7 +118,7 @@ impl<'a> PathTracer<'a> {
             throughput *= scattered.weight;
             if depth >= SAFE {
                 let go_on = throughput.max_element().min(1.0 - LEAST_END);
-                if survival >= go_on {
+                if sampler.one() >= go_on {
                     break;
                 }
                 throughput /= go_on;

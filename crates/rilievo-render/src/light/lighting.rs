@@ -128,6 +128,11 @@ impl Lighting {
         own as u64 + self.tree.bytes()
     }
 
+    /// Whether there is more than one light to choose from.
+    pub(crate) fn chooses(&self) -> bool {
+        self.infinite() + self.tree.len() > 1
+    }
+
     /// A point of a light and the light's surface, for `choice` and `u` uniform in `[0, 1)`; nothing
     /// where the light brings nothing. Weight and density count the choice of the light.
     #[inline]

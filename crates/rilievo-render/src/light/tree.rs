@@ -60,6 +60,11 @@ impl LightTree {
         tree
     }
 
+    /// Number of lights.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len().div_ceil(2)
+    }
+
     /// Whether there is no light.
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()

@@ -7,6 +7,7 @@ mod interreflection;
 mod layers;
 mod parts;
 mod paths;
+mod recorded;
 mod relief;
 mod scene;
 mod scenes;
