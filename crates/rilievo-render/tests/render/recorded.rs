@@ -17,7 +17,7 @@ use rilievo_render::light::{Environment, EnvironmentPlacement, Light, PointLight
 use rilievo_render::texture::{ColourImage, Texels};
 use rilievo_render::{Integrator, Material, RenderOptions, RenderSettings, Rgb, Scene, render};
 
-use crate::closed_forms::FLOOR;
+use crate::closed_forms::{FLOOR, ceiling};
 use crate::scenes::{Builder, camera, diffuse, emitter};
 
 /// Pixels along a side.
@@ -36,6 +36,17 @@ fn settings(seed: u64) -> RenderSettings {
         seed,
         ..RenderSettings::default()
     }
+}
+
+/// A room with a lamp and two balls. Without mirrors: their rare bright paths make a pixel far from normal.
+fn room(seed: u64) -> Scene {
+    let glossy = Material { reflective: Rgb::new(0.4, 0.3, 0.1), roughness: 0.8, ..diffuse(0.3) };
+    Builder::default()
+        .room(DVec3::ZERO, 1.0, &diffuse(0.6))
+        .quad(ceiling([-0.4, 0.4], [-0.4, 0.4], 0.98), emitter(Rgb::new(8.0, 7.0, 5.0)))
+        .sphere(DVec3::new(-0.4, 0.2, -0.6), 0.4, glossy)
+        .sphere(DVec3::new(0.5, 0.4, -0.65), 0.35, diffuse(0.2))
+        .scene(camera([0.0, -0.95, 0.1], [0.0, 0.3, -0.3], 70.0, [SIDE; 2]), settings(seed))
 }
 
 /// A relief of the procedural noise over the floor's middle.
@@ -141,6 +152,11 @@ fn check(name: &str, scene: impl Fn(u64) -> Scene) {
     assert!(share >= 0.9975, "{name}: {share} of the pixels accepted");
     let deviations = difference / variances.sqrt();
     assert!(deviations.abs() < 4.0, "{name}: the mean is {deviations} deviations off");
+}
+
+#[test]
+fn recorded_room() {
+    check("room", room);
 }
 
 #[test]
