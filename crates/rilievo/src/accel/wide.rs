@@ -43,6 +43,10 @@ pub(crate) struct WideBvh {
 
 /// What happens at an item.
 pub(crate) trait Visit<P> {
+    /// Says that an item may be visited soon. Must be `#[inline(always)]`.
+    #[inline(always)]
+    fn approach<L: Lanes>(&self, _item: u32) {}
+
     /// Visits an item; the new limit of the parameter, or none to end the walk. Must be
     /// `#[inline(always)]`.
     fn visit<L: Lanes>(&mut self, item: u32, probe: &mut P) -> Option<f64>;
@@ -115,49 +119,95 @@ impl WideBvh {
         }
         let rounded = |t: f64| ((t * largest) as f32).next_up();
         let mut limit = rounded(ray.t_max);
-        let mut waiting: Vec<(u32, f32)> = Vec::with_capacity(64);
-        waiting.push((0, 0.0));
-        while let Some((index, entry)) = waiting.pop() {
-            if entry > limit {
-                continue;
-            }
+        let mut waiting = Waiting { near: [(0, 0.0); NEAR], len: 0, rest: Vec::new() };
+        let mut index = 0;
+        loop {
             if index & ITEM != 0 {
                 match visitor.visit::<L>(index & !ITEM, probe) {
                     Some(t_max) => limit = rounded(t_max),
                     None => return,
                 }
-                continue;
-            }
-            probe.node();
-            let node = &self.nodes[index as usize];
-            let mut near = L::splat(0.0);
-            let mut far = L::splat(limit);
-            for axis in 0..3 {
-                let (origin, inverse_lanes) = (L::splat(start[axis]), L::splat(inverse[axis]));
-                let low = L::load(&node.low[axis]).minus(origin).times(inverse_lanes);
-                let high = L::load(&node.high[axis]).minus(origin).times(inverse_lanes);
-                let forward = inverse[axis] >= 0.0;
-                let (enter, leave) = if forward { (low, high) } else { (high, low) };
-                near = near.larger(enter);
-                far = far.smaller(leave);
-            }
-            let mut hits = L::bits(near.at_most(far));
-            if hits == 0 {
-                continue;
-            }
-            let near = near.store();
-            let first = waiting.len();
-            while hits != 0 {
-                let lane = hits.trailing_zeros() as usize % WIDTH;
-                hits &= hits - 1;
-                // The nearest comes last: it is taken first.
-                let mut at = waiting.len();
-                waiting.push((node.children[lane], near[lane]));
-                while at > first && waiting[at - 1].1 < waiting[at].1 {
-                    waiting.swap(at - 1, at);
-                    at -= 1;
+            } else {
+                probe.node();
+                let node = &self.nodes[index as usize];
+                let mut near = L::splat(0.0);
+                let mut far = L::splat(limit);
+                for axis in 0..3 {
+                    let (origin, inverse_lanes) = (L::splat(start[axis]), L::splat(inverse[axis]));
+                    let forward = inverse[axis] >= 0.0;
+                    let (low, high) = (&node.low[axis], &node.high[axis]);
+                    let (enter, leave) = if forward { (low, high) } else { (high, low) };
+                    near = near.larger(L::load(enter).minus(origin).times(inverse_lanes));
+                    far = far.smaller(L::load(leave).minus(origin).times(inverse_lanes));
+                }
+                let mut hits = L::bits(near.at_most(far));
+                if hits != 0 {
+                    let near = near.store();
+                    let first = waiting.room();
+                    while hits != 0 {
+                        let lane = hits.trailing_zeros() as usize % WIDTH;
+                        hits &= hits - 1;
+                        let child = node.children[lane];
+                        if child & ITEM != 0 {
+                            visitor.approach::<L>(child & !ITEM);
+                        }
+                        waiting.insert(first, (child, near[lane]));
+                    }
                 }
             }
+            index = loop {
+                match waiting.pop() {
+                    Some((index, entry)) if entry <= limit => break index,
+                    Some(_) => {}
+                    None => return,
+                }
+            };
+        }
+    }
+}
+
+/// Children kept without memory of their own; at least twice [`WIDTH`].
+const NEAR: usize = 64;
+
+/// Children still to visit, the next one last.
+struct Waiting {
+    near: [(u32, f32); NEAR],
+    len: usize,
+    /// Those that come after all in `near`.
+    rest: Vec<(u32, f32)>,
+}
+
+impl Waiting {
+    /// Makes room for the children of a node, and says where they begin.
+    #[inline(always)]
+    fn room(&mut self) -> usize {
+        if self.len + WIDTH > NEAR {
+            self.rest.extend_from_slice(&self.near[..self.len]);
+            self.len = 0;
+        }
+        self.len
+    }
+
+    /// Inserts a child so that those from `first` on are in order, the nearest last.
+    #[inline(always)]
+    fn insert(&mut self, first: usize, child: (u32, f32)) {
+        let mut at = self.len;
+        self.len += 1;
+        while at > first && self.near[(at - 1) % NEAR].1 < child.1 {
+            self.near[at % NEAR] = self.near[at - 1];
+            at -= 1;
+        }
+        self.near[at % NEAR] = child;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(u32, f32)> {
+        match self.len.checked_sub(1) {
+            Some(last) => {
+                self.len = last;
+                Some(self.near[last % NEAR])
+            }
+            None => self.rest.pop(),
         }
     }
 }

@@ -174,6 +174,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn fetch<T>(what: &T) {
+        super::orders::fetch(what);
+    }
+
+    #[inline(always)]
     fn least(self) -> f32 {
         // SAFETY: see above.
         unsafe { least(_mm256_min_ps(self.0[0], self.0[1])) }

@@ -151,6 +151,11 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn fetch<T>(what: &T) {
+        super::orders::fetch(what);
+    }
+
+    #[inline(always)]
     fn least(self) -> f32 {
         // SAFETY: see above.
         unsafe {

@@ -110,6 +110,9 @@ pub(crate) trait Lanes: Copy {
     /// Bit `k` from lane `k`.
     fn bits(mask: Self::Mask) -> u16;
 
+    /// Asks for memory that will be read soon. Nothing else follows from it.
+    fn fetch<T>(what: &T);
+
     /// The least of all lanes.
     fn least(self) -> f32;
     /// The greatest of all lanes.

@@ -1,4 +1,6 @@
-//! Orders in which bytes and words are fetched: the operands of shuffles.
+//! Orders in which bytes and words are fetched: the operands of shuffles; and what asks for memory.
+
+use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 
 use super::{Mirror, WIDTH};
 
@@ -38,3 +40,15 @@ pub(super) const WIDEN: [[[u8; 64]; 2]; 2] = {
     }
     table
 };
+
+/// Asks for all lines of memory that something covers.
+#[inline(always)]
+pub(super) fn fetch<T>(what: &T) {
+    let start = std::ptr::from_ref(what).cast::<i8>();
+    let mut at = 0;
+    while at < size_of::<T>() {
+        // SAFETY: every x86-64 processor has the instruction, which never faults.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(at)) };
+        at += 64;
+    }
+}

@@ -152,6 +152,9 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn fetch<T>(_: &T) {}
+
+    #[inline(always)]
     fn least(self) -> f32 {
         reduced(self, |a, b| if a < b { a } else { b })
     }

@@ -22,7 +22,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    #[inline]
+    #[inline(always)]
     pub fn of([a, b, c]: [[f64; 2]; 3]) -> Self {
         let least = |k: usize| a[k].min(b[k]).min(c[k]);
         let most = |k: usize| a[k].max(b[k]).max(c[k]);
@@ -30,13 +30,13 @@ impl Area {
     }
 
     /// The longer side.
-    #[inline]
+    #[inline(always)]
     pub fn extent(&self) -> f64 {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
     }
 
     /// First cell and one past the last cell along each axis that the widened box touches.
-    #[inline]
+    #[inline(always)]
     pub fn cells(&self) -> [[i32; 2]; 2] {
         let first = |k: usize| floor(self.low[k] - MARGIN);
         let end = |k: usize| floor(self.high[k] + MARGIN) + 1;

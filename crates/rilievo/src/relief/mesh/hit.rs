@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3};
 use crate::hit::Hit;
 use crate::map::{Metric, NormalKind};
 use crate::ray::{Part, Ray};
+use crate::simd::{self, Kernel, Lanes};
 
 use super::super::options::ShadingNormals;
 use super::nearest::Candidate;
@@ -34,10 +35,31 @@ struct Point {
     slope: [f64; 2],
 }
 
+/// [`ReliefMesh::complete`], with the instructions of a level: no answer depends on it.
+struct Complete<'a> {
+    mesh: &'a ReliefMesh,
+    ray: &'a Ray,
+    crossing: &'a MeshCrossing,
+}
+
+impl Kernel for Complete<'_> {
+    type Output = Hit;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Hit {
+        self.mesh.completed(self.ray, self.crossing)
+    }
+}
+
 impl ReliefMesh {
     /// The hit of a crossing that [`ReliefMesh::first_crossing`] found for this ray. `hit.surface`
     /// is 0.
     pub fn complete(&self, ray: &Ray, crossing: &MeshCrossing) -> Hit {
+        simd::run(self.options.simd, Complete { mesh: self, ray, crossing })
+    }
+
+    #[inline(always)]
+    fn completed(&self, ray: &Ray, crossing: &MeshCrossing) -> Hit {
         let MeshCrossing { t, candidate } = *crossing;
         let count = self.prisms.len() as u32;
         if candidate.item >= count {
@@ -55,8 +77,8 @@ impl ReliefMesh {
             let end = if k == 1 { b } else { c };
             (end.base - a.base) + point.height * (end.rise - a.rise) + height * rise
         });
-        let flat = self.base_normal(point.triangle);
-        let geometric_normal = along[0].cross(along[1]).try_normalize().unwrap_or(flat);
+        let normal = along[0].cross(along[1]).try_normalize();
+        let geometric_normal = normal.unwrap_or_else(|| self.base_normal(point.triangle));
         let (uv, tangents) = self.parametrisation(&point);
         let position = self.centre + place;
         let exact = prism.rounding(self.reach) + 4.0 * f64::EPSILON * position.length();
@@ -76,6 +98,7 @@ impl ReliefMesh {
         }
     }
 
+    #[inline(never)]
     fn complete_wall(&self, t: f64, candidate: &Candidate, index: u32) -> Hit {
         let wall = &self.walls[index as usize];
         let point = wall.point(self, candidate.at);
@@ -107,6 +130,7 @@ impl ReliefMesh {
         }
     }
 
+    #[inline(always)]
     fn point_of(&self, candidate: &Candidate) -> Point {
         let Candidate { item: triangle, cell, at, .. } = *candidate;
         let prism = &self.prisms[triangle as usize];
@@ -143,6 +167,7 @@ impl ReliefMesh {
     }
 
     /// Uv and (dP/du, dP/dv) of the base.
+    #[inline(always)]
     fn parametrisation(&self, point: &Point) -> (DVec2, [DVec3; 2]) {
         let triangle = &self.data.triangles[point.triangle as usize];
         let [a, b, c] = triangle.positions.map(|p| self.data.positions[p as usize]);
@@ -158,6 +183,7 @@ impl ReliefMesh {
     }
 
     /// Unit normal to shade with, on the side of the geometric one.
+    #[inline(always)]
     fn shading_normal(&self, point: &Point, geometric: DVec3) -> DVec3 {
         let prism = &self.prisms[point.triangle as usize];
         if matches!(self.options.normals, ShadingNormals::Exact) || prism.shape == Shape::Thread {
@@ -188,6 +214,7 @@ impl ReliefMesh {
     }
 
     /// Offsets per cell along x and y, to shade with.
+    #[inline(always)]
     fn shading_slopes(&self, point: &Point, metric: Metric) -> [f64; 2] {
         let heights = self.relief.heights();
         let turn = self.offsets.unit.signum();

@@ -78,6 +78,7 @@ struct Part {
 }
 
 /// The nearest root with `0 <= t <= t_max`.
+#[inline(always)]
 pub(super) fn first_root(patch: &impl Patch, ray: &MeshRay, wanted: Wanted) -> Option<Root> {
     let [middle, half] = patch.whole();
     let mut search = Search { ray, wanted, best: None, evaluations: 0 };
@@ -105,9 +106,10 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Narrows a part until it is given up, taken, or cut in two: the nearer half first.
+    #[inline(always)]
     fn narrow(&mut self, patch: &impl Patch, mut part: Part) -> Option<[Part; 2]> {
         let delta = patch.rounding();
-        loop {
+        let (root, error) = loop {
             let middle = 0.5 * (part.low + part.high);
             let half = 0.5 * (part.high - part.low);
             let local = patch.local(middle, half);
@@ -142,8 +144,7 @@ impl Search<'_> {
                     let fine = (FINE + 4.0 * delta * noise).min(DVec2::splat(COARSE));
                     let error = error.min(high - low);
                     if error.x <= fine.x && error.y <= fine.y {
-                        self.take(patch, root.clamp(low, high), error);
-                        return None;
+                        break (root.clamp(low, high), error);
                     }
                     let shrunk = (high - low).cmple(SHRINK * (part.high - part.low)).all();
                     (part.low, part.high) = (low, high);
@@ -154,14 +155,16 @@ impl Search<'_> {
             }
             if exhausted {
                 let (low, high) = (part.low, part.high);
-                self.take(patch, 0.5 * (low + high), 0.5 * (high - low));
-                return None;
+                break (0.5 * (low + high), 0.5 * (high - low));
             }
             return Some(self.halves(part, &local));
-        }
+        };
+        self.take(patch, root, error);
+        None
     }
 
     /// Whether nothing in a part is wanted.
+    #[inline(always)]
     fn is_hopeless(&self, local: &Local, half: DVec2, delta: f64) -> bool {
         let Local { value, along: [fx, fy], bend } = local;
         let room = fx.abs() * half.x + fy.abs() * half.y + *bend + delta;
@@ -174,6 +177,7 @@ impl Search<'_> {
     }
 
     /// Takes an enclosed root if it is wanted.
+    #[inline(always)]
     fn take(&mut self, patch: &impl Patch, at: DVec2, error: DVec2) {
         if !patch.holds(at, error) {
             return;
@@ -190,6 +194,8 @@ impl Search<'_> {
 
     /// A part cut across the side along which the patch moves more, the half the ray meets first in
     /// front.
+    #[cold]
+    #[inline(never)]
     fn halves(&self, part: Part, local: &Local) -> [Part; 2] {
         let size = part.high - part.low;
         let moves = |k: usize| {

@@ -26,6 +26,7 @@ pub(super) struct MeshRay {
 
 impl MeshRay {
     /// `bounds` is relative to `centre`.
+    #[inline(always)]
     pub fn new(ray: &Ray, centre: DVec3, bounds: &Aabb) -> Option<Self> {
         let mut local = Ray { origin: ray.origin - centre, ..*ray };
         if !local.is_valid() {
@@ -60,25 +61,26 @@ impl MeshRay {
     }
 
     /// The ray for a tree in the mesh's frame.
+    #[inline(always)]
     pub fn as_ray(&self) -> Ray {
         Ray { t_max: self.t_max, ..Ray::new(self.origin, self.direction) }
     }
 
     /// Scene units of depth per unit of the parameter.
-    #[inline]
+    #[inline(always)]
     pub fn speed(&self) -> f64 {
         self.along.abs()
     }
 
     /// A vector with the ray turned into the third axis.
-    #[inline]
+    #[inline(always)]
     pub fn sheared(&self, v: DVec3) -> DVec3 {
         let [x, y, z] = self.axes;
         DVec3::new(v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z])
     }
 
     /// Parameter at a depth along the third axis.
-    #[inline]
+    #[inline(always)]
     pub fn t(&self, depth: f64) -> f64 {
         depth / self.along
     }

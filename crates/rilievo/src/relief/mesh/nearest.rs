@@ -19,6 +19,7 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     /// What comes first at the same parameter.
+    #[inline]
     fn key(&self) -> (u32, i32, i32) {
         (self.item, self.cell[1], self.cell[0])
     }
@@ -39,7 +40,7 @@ impl Nearest {
     }
 
     /// Farther meetings do not count.
-    #[inline]
+    #[inline(always)]
     pub fn limit(&self) -> f64 {
         match &self.found {
             Some(found) => found.t,
@@ -54,6 +55,7 @@ impl Nearest {
     }
 
     /// Takes a meeting if it is the first; says whether the search is over.
+    #[inline(always)]
     pub fn offer(&mut self, candidate: Candidate) -> bool {
         let first = match &self.found {
             Some(best) => (candidate.t, candidate.key()) < (best.t, best.key()),

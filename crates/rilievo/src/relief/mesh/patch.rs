@@ -44,13 +44,14 @@ pub(super) struct Heights {
 
 impl Heights {
     /// Counted from `level`; differences of two `f32` of one map are exact, or as good as.
+    #[inline(always)]
     pub fn new(corners: [f32; 4], level: f32) -> Self {
         let over = |k: usize| f64::from(corners[k]) - f64::from(level);
         let (h00, h10, h01, h11) = (over(0), over(1), over(2), over(3));
         Self { a: h00, b: h10 - h00, c: h01 - h00, d: (h11 - h01) - (h10 - h00) }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, x: f64, y: f64) -> f64 {
         self.a + self.b * x + (self.c + self.d * x) * y
     }
@@ -69,6 +70,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    #[inline(always)]
     pub fn new(ray: &MeshRay, prism: &Prism, vertices: &[Vertex], half_range: f64) -> Self {
         let corner = |k: usize| vertices[prism.corners[k] as usize];
         let (first, second, third) = (corner(0), corner(1), corner(2));
@@ -109,6 +111,7 @@ pub(super) struct CellPatch<'a> {
 const SPARE: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl<'a> CellPatch<'a> {
+    #[inline(always)]
     pub fn new(seen: &Seen, prism: &'a Prism, cell: [i32; 2], heights: Heights) -> Self {
         let [g, h] = prism.weights;
         let along = |[e, f]: [DVec3; 2]| [g[0] * e + h[0] * f, g[1] * e + h[1] * f];
@@ -139,6 +142,7 @@ impl<'a> CellPatch<'a> {
 }
 
 impl Patch for CellPatch<'_> {
+    #[inline(always)]
     fn whole(&self) -> [DVec2; 2] {
         [0.5 * (self.low + self.high), 0.5 * (self.high - self.low)]
     }
@@ -166,6 +170,7 @@ impl Patch for CellPatch<'_> {
         Local { value, along, bend }
     }
 
+    #[inline(always)]
     fn holds(&self, at: DVec2, error: DVec2) -> bool {
         let outside = (at - at.clamp(DVec2::ZERO, DVec2::ONE)).abs();
         if outside.x > error.x || outside.y > error.y {
@@ -182,6 +187,7 @@ impl Patch for CellPatch<'_> {
             && first >= -off(g[0] + h[0], g[1] + h[1])
     }
 
+    #[inline(always)]
     fn rounding(&self) -> f64 {
         self.rounding
     }

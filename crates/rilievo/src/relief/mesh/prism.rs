@@ -4,7 +4,8 @@
 use glam::{DMat3, DVec3};
 
 use super::footprint::{Area, Footprint, MARGIN};
-use super::frame::{Frame, Region};
+use super::frame::{Frame, Path, Region};
+use super::line::MeshRay;
 use super::vertices::Vertex;
 
 /// How the uv of a base triangle serve as coordinates of it.
@@ -41,7 +42,7 @@ pub(super) struct Prism {
     pub t_slack: f64,
     /// Bound on the slope of the surface against its base, so that a lift clears it.
     pub steepness: f64,
-    /// The frame about the middle, over all of the prism.
+    /// The frame about [`Prism::centre`], over all of the prism.
     pub frame: Frame,
 }
 
@@ -85,10 +86,9 @@ impl Prism {
         prism.t_slack = 8.0 * MARGIN * (edges + size * rise);
         if spread {
             let sheet = prism.sheet(vertices);
-            let middle = [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0);
-            let centre = DVec3::new(middle[0], middle[1], 0.5 * (range[0] + range[1]));
+            let centre = prism.centre();
             let half = 0.5 * (range[1] - range[0]);
-            let corners = lattice.map(|p| [p[0] - middle[0], p[1] - middle[1]]);
+            let corners = lattice.map(|p| [p[0] - centre.x, p[1] - centre.y]);
             let region = Region::Triangle(corners, half);
             let [along_x, along_y] = sheet.base_along.map(DVec3::length);
             let [bend_x, bend_y] = sheet.rise_along.map(DVec3::length);
@@ -103,6 +103,21 @@ impl Prism {
             prism.frame = Frame::about(&sheet, centre, &region, prism.rounding(reach));
         }
         prism
+    }
+
+    /// The middle: lattice coordinates and height.
+    #[inline(always)]
+    pub fn centre(&self) -> DVec3 {
+        let ([a, b, c], [low, high]) = (self.lattice, self.range);
+        let third = 1.0 / 3.0;
+        let (x, y) = (a[0] + b[0] + c[0], a[1] + b[1] + c[1]);
+        DVec3::new(third * x, third * y, 0.5 * (low + high))
+    }
+
+    /// A ray in the frame of the prism.
+    #[inline(always)]
+    pub fn path(&self, ray: &MeshRay) -> Path {
+        self.frame.path(self.centre(), ray.origin, ray.direction)
     }
 
     /// Whether the displaced triangle is a curve or a point at any height.
@@ -138,7 +153,7 @@ impl Prism {
     }
 
     /// The box of its footprint.
-    #[inline]
+    #[inline(always)]
     pub fn area(&self) -> Area {
         Area::of(self.lattice)
     }
@@ -148,7 +163,7 @@ impl Prism {
     }
 
     /// The sheet over lattice coordinates; for [`Shape::Thread`] without meaning.
-    #[inline]
+    #[inline(always)]
     pub fn sheet(&self, vertices: &[Vertex]) -> Sheet {
         let corner = |k: usize| &vertices[self.corners[k] as usize];
         let (a, b, c) = (corner(0), corner(1), corner(2));
@@ -191,11 +206,13 @@ impl Sheet {
         base + at.z * self.rise_at(dx, dy)
     }
 
+    #[inline(always)]
     fn rise_at(&self, dx: f64, dy: f64) -> DVec3 {
         self.rise + dx * self.rise_along[0] + dy * self.rise_along[1]
     }
 
     /// Derivatives of [`Sheet::point`].
+    #[inline(always)]
     pub fn jacobian(&self, at: DVec3) -> DMat3 {
         let (dx, dy) = (at.x - self.corner[0], at.y - self.corner[1]);
         DMat3::from_cols(

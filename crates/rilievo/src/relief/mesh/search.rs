@@ -7,7 +7,7 @@ use crate::simd::{self, Kernel, Lanes};
 
 use super::line::MeshRay;
 use super::nearest::Nearest;
-use super::walk::{PrismWalk, Scratch};
+use super::walk::PrismWalk;
 use super::{MeshCrossing, Method, ReliefMesh};
 
 impl ReliefMesh {
@@ -18,35 +18,35 @@ impl ReliefMesh {
         any: bool,
         counters: Option<&mut Counters>,
     ) -> Option<MeshCrossing> {
-        let line = MeshRay::new(&self.lifted(ray), self.centre, &self.tree.bounds())?;
-        let mut found = Nearest::new(line.t_max, any);
-        let (mesh, line, nearest) = (self, &line, &mut found);
+        let mesh = self;
         match counters {
-            None => simd::run(self.options.simd, Search { mesh, line, nearest, probe: &mut () }),
-            Some(probe) => simd::run_portable(Search { mesh, line, nearest, probe }),
+            None => simd::run(self.options.simd, Search { mesh, ray, any, probe: &mut () }),
+            Some(probe) => simd::run_portable(Search { mesh, ray, any, probe }),
         }
-        let candidate = found.found?;
-        let t = (line.t_start + candidate.t).min(ray.t_max);
-        Some(MeshCrossing { t, candidate })
     }
 }
 
 /// One ray against all items.
 struct Search<'a, P> {
     mesh: &'a ReliefMesh,
-    line: &'a MeshRay,
-    nearest: &'a mut Nearest,
+    ray: &'a Ray,
+    any: bool,
     probe: &'a mut P,
 }
 
 impl<P: Probe> Kernel for Search<'_, P> {
-    type Output = ();
+    type Output = Option<MeshCrossing>;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { mesh, line, nearest, probe } = self;
-        let mut items = Items { mesh, line, nearest, scratch: Scratch::default() };
+    fn run<L: Lanes>(self) -> Option<MeshCrossing> {
+        let Self { mesh, ray, any, probe } = self;
+        let line = MeshRay::new(&mesh.lifted(ray), mesh.centre, &mesh.tree.bounds())?;
+        let mut nearest = Nearest::new(line.t_max, any);
+        let mut items = Items { mesh, line: &line, nearest: &mut nearest };
         mesh.tree.walk::<L, P>(&line.as_ray(), &mut items, probe);
+        let candidate = nearest.found?;
+        let t = (line.t_start + candidate.t).min(ray.t_max);
+        Some(MeshCrossing { t, candidate })
     }
 }
 
@@ -55,19 +55,26 @@ struct Items<'a> {
     mesh: &'a ReliefMesh,
     line: &'a MeshRay,
     nearest: &'a mut Nearest,
-    scratch: Scratch,
 }
 
 impl<P: Probe> Visit<P> for Items<'_> {
     #[inline(always)]
+    fn approach<L: Lanes>(&self, item: u32) {
+        let index = self.mesh.items[item as usize];
+        if let Some(prism) = self.mesh.prisms.get(index as usize) {
+            L::fetch(prism);
+        }
+    }
+
+    #[inline(always)]
     fn visit<L: Lanes>(&mut self, item: u32, probe: &mut P) -> Option<f64> {
-        let Self { mesh, line, nearest, scratch } = self;
+        let Self { mesh, line, nearest } = self;
         let index = mesh.items[item as usize];
         let count = mesh.prisms.len() as u32;
         let over = if index >= count {
             mesh.walls[(index - count) as usize].meet(index, mesh, line, nearest)
         } else {
-            let walk = PrismWalk { mesh, index, ray: line, nearest, scratch, probe };
+            let walk = PrismWalk { mesh, index, ray: line, nearest, probe };
             match (mesh.options.method, mesh.relief.walked_by(mesh.options.method)) {
                 (Method::Dda, _) => walk.every_cell(),
                 (_, Some(distances)) => walk.by_distance(distances),

@@ -65,15 +65,15 @@ impl<P: Probe> PrismWalk<'_, P> {
     pub fn by_distance(self, distances: &DistanceMap) -> bool {
         let Self { mesh, index, ray, nearest, probe, .. } = self;
         let prism = &mesh.prisms[index as usize];
-        let seen = &mut None;
-        let mut cells = Cells { mesh, index, prism, ray, seen, nearest, probe };
+        let (seen, spare) = (&mut None, prism.t_slack / ray.speed());
+        let mut cells = Cells { mesh, index, prism, ray, spare, seen, nearest, probe };
         if prism.shape == Shape::Thread {
             return cells.all();
         }
         let mut span = [0.0, cells.limit()];
         let mut path = None;
         if !prism.frame.is_blind() {
-            let own = prism.frame.path(ray.origin, ray.direction);
+            let own = prism.path(ray);
             span = clip(&own, span, prism, mesh.height_slack);
             path = Some(own);
         }
@@ -188,7 +188,7 @@ impl<P: Probe> March<'_, P> {
         let rounding = prism.rounding(mesh.reach);
         let frame =
             Frame::about(&prism.sheet(&mesh.vertices), centre, &Region::Box(half), rounding);
-        (!frame.is_blind()).then(|| frame.path(ray.origin, ray.direction))
+        (!frame.is_blind()).then(|| frame.path(centre, ray.origin, ray.direction))
     }
 
     /// Walks a span of a path; says whether the search is over.

@@ -3,7 +3,7 @@
 use crate::probe::Probe;
 
 use super::super::ReliefMesh;
-use super::super::leaf::{self, Wanted};
+use super::super::leaf::{self, Root, Wanted};
 use super::super::line::MeshRay;
 use super::super::nearest::{Candidate, Nearest};
 use super::super::patch::{CellPatch, Heights, Seen, ThreadPatch};
@@ -15,6 +15,8 @@ pub(super) struct Cells<'a, P> {
     pub index: u32,
     pub prism: &'a Prism,
     pub ray: &'a MeshRay,
+    /// By how much later than the nearest a meeting may begin and yet be first.
+    pub spare: f64,
     /// The prism as the ray sees it, once a cell asks.
     pub seen: &'a mut Option<Seen>,
     pub nearest: &'a mut Nearest,
@@ -25,33 +27,57 @@ impl<P: Probe> Cells<'_, P> {
     /// Beyond this nothing changes the answer.
     #[inline(always)]
     pub fn limit(&self) -> f64 {
-        self.nearest.limit() + self.prism.t_slack / self.ray.speed()
+        self.nearest.limit() + self.spare
+    }
+
+    /// Shows an unfolded cell under a prism of [`Shape::Spread`] to the leaf; says whether the search
+    /// is over.
+    #[inline(always)]
+    pub fn leaf(&mut self, cell: [i32; 2]) -> bool {
+        let (seen, heights) = self.approach(cell);
+        let patch = CellPatch::new(&seen, self.prism, cell, heights);
+        let root = leaf::first_root(&patch, self.ray, self.wanted());
+        root.is_some_and(|root| self.offer(&root, cell))
     }
 
     /// Shows an unfolded cell to the leaf; says whether the search is over.
     #[inline(never)]
-    pub fn leaf(&mut self, cell: [i32; 2]) -> bool {
+    fn leaf_of_any(&mut self, cell: [i32; 2]) -> bool {
+        if self.prism.shape == Shape::Spread {
+            return self.leaf(cell);
+        }
+        let (seen, heights) = self.approach(cell);
+        let patch = ThreadPatch::new(&seen, self.prism, cell, heights);
+        let root = leaf::first_root(&patch, self.ray, self.wanted());
+        root.is_some_and(|root| self.offer(&root, cell))
+    }
+
+    /// The prism as the ray sees it, and the heights of a cell.
+    #[inline(always)]
+    fn approach(&mut self, cell: [i32; 2]) -> (Seen, Heights) {
         self.probe.cell();
-        let Self { mesh, index, prism, ray, .. } = *self;
-        let seen = self
-            .seen
-            .get_or_insert_with(|| Seen::new(ray, prism, &mesh.vertices, mesh.offsets.half_range));
-        let corners = mesh.relief.heights().unfolded_corners(cell[0], cell[1]);
-        let heights = Heights::new(corners, mesh.offsets.level);
-        let turn = if mesh.options.one_sided { -prism.winding } else { 0.0 };
-        let wanted = Wanted { t_max: self.nearest.limit(), turn };
-        let root = match prism.shape {
-            Shape::Spread => {
-                leaf::first_root(&CellPatch::new(seen, prism, cell, heights), ray, wanted)
-            }
-            Shape::Thread => {
-                leaf::first_root(&ThreadPatch::new(seen, prism, cell, heights), ray, wanted)
+        let Self { mesh, prism, ray, .. } = *self;
+        let seen = match self.seen {
+            Some(seen) => *seen,
+            None => {
+                let seen = Seen::new(ray, prism, &mesh.vertices, mesh.offsets.half_range);
+                *self.seen.insert(seen)
             }
         };
-        root.is_some_and(|root| {
-            let front = root.turn * prism.winding < 0.0;
-            self.nearest.offer(Candidate { t: root.t, item: index, cell, at: root.at, front })
-        })
+        let corners = mesh.relief.heights().unfolded_corners(cell[0], cell[1]);
+        (seen, Heights::new(corners, mesh.offsets.level))
+    }
+
+    #[inline(always)]
+    fn wanted(&self) -> Wanted {
+        let turn = if self.mesh.options.one_sided { -self.prism.winding } else { 0.0 };
+        Wanted { t_max: self.nearest.limit(), turn }
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, root: &Root, cell: [i32; 2]) -> bool {
+        let front = root.turn * self.prism.winding < 0.0;
+        self.nearest.offer(Candidate { t: root.t, item: self.index, cell, at: root.at, front })
     }
 
     /// Shows every cell under the prism to the leaf; says whether the search is over.
@@ -62,7 +88,7 @@ impl<P: Probe> Cells<'_, P> {
             let [first, end] = footprint.row(j);
             for i in first..end {
                 let low = [f64::from(i), f64::from(j)];
-                if !footprint.misses(low, low.map(|x| x + 1.0)) && self.leaf([i, j]) {
+                if !footprint.misses(low, low.map(|x| x + 1.0)) && self.leaf_of_any([i, j]) {
                     return true;
                 }
             }

@@ -16,28 +16,32 @@ use super::square::{self, Square};
 /// Errors above this share of a child call for a new frame.
 const LARGE: f64 = 0.4;
 
-/// A new frame has to have less than this share of the old one's error.
+/// A new frame has to have less than this share of the old one's error, and be about a region
+/// that is smaller by as much.
 const WORTH: f64 = 0.7;
 
-/// Parts of a footprint of at most this many cells begin with blocks.
-const FEW_CELLS: i32 = 8;
+/// Spans of children are wider by this share of their parent's.
+const SPARE: f64 = 1.0 / (1 << 22) as f64;
+
+/// Frames of a walk: the prism's and those of nodes, by level. Nodes of higher levels make none:
+/// they are larger than any prism but of maps repeated thousands of times.
+const FRAMES: usize = 5;
+
+/// Nodes kept without memory of their own.
+const NEAR: usize = 20;
 
 /// A node or block that waits.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Node {
+    span: [f64; 2],
+    /// Its place among nodes or blocks of its level, forward.
+    place: [i32; 2],
+    /// Lowest and highest height over the level.
+    heights: [f32; 2],
     /// Level of the pyramid; -1 for a block of 4 x 4 cells.
     level: i32,
-    /// Its place among nodes or blocks, forward.
-    place: [i32; 2],
-    span: [f64; 2],
-    /// Depth from 1: the frame it may make is kept there, until a node beside it makes its own.
-    depth: usize,
     /// The frame it was found in.
-    frame: usize,
-    /// Lowest and highest height over the level.
-    heights: [f64; 2],
-    /// Whether the span has to be cut by its own box.
-    loose: bool,
+    frame: u32,
 }
 
 impl Node {
@@ -47,28 +51,67 @@ impl Node {
     }
 }
 
-/// What a path knows about its frame.
+/// A path, and how large a region its frame was made for: cells times heights.
 #[derive(Clone, Copy)]
 struct Framed {
     path: Path,
-    blind: bool,
-    /// Size of the region the frame was made for: cells times heights.
     size: f64,
+}
+
+/// Sixteen equal parts of a square, and where they come from.
+struct Parts<L> {
+    /// Level of a part.
+    level: i32,
+    /// Place of the first of them.
+    first: [i32; 2],
+    frame: usize,
+    span: [f64; 2],
+    low: L,
+    high: L,
 }
 
 /// The walk through the pyramid under one prism.
 pub(super) struct Descent<'a, P> {
     pub cells: Cells<'a, P>,
     pub area: Area,
-    pub scratch: &'a mut Scratch,
 }
 
-/// Memory of a walk, kept from prism to prism.
-#[derive(Default)]
-pub(in super::super) struct Scratch {
-    /// By depth: 0 is the prism's own.
-    frames: Vec<Framed>,
-    waiting: Vec<Node>,
+/// What a walk through one tile holds.
+struct Walk {
+    forward: Forward,
+    frames: [Framed; FRAMES],
+    waiting: Waiting,
+}
+
+/// Nodes that wait, the next one last.
+struct Waiting {
+    near: [Node; NEAR],
+    len: usize,
+    /// Those that come after all in `near`.
+    rest: Vec<Node>,
+}
+
+impl Waiting {
+    #[inline(always)]
+    fn push(&mut self, node: Node) {
+        if self.len == NEAR {
+            self.rest.extend_from_slice(&self.near);
+            self.len = 0;
+        }
+        self.near[self.len % NEAR] = node;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Node> {
+        match self.len.checked_sub(1) {
+            Some(last) => {
+                self.len = last;
+                Some(self.near[last % NEAR])
+            }
+            None => self.rest.pop(),
+        }
+    }
 }
 
 impl<P: Probe> Descent<'_, P> {
@@ -80,45 +123,43 @@ impl<P: Probe> Descent<'_, P> {
         cells: [[i32; 2]; 2],
         (path, span): (&Path, [f64; 2]),
     ) -> bool {
-        let blind = self.cells.prism.frame.is_blind();
-        let forward = Forward::new(runs, cells, if blind { DVec3::ONE } else { path.speed });
+        let forward = Forward::new(runs, cells, path.speed);
         let path = forward.path(path);
-        let cells = |k: usize| shown(&path, k, span, [forward.first[k], forward.end[k]], blind);
+        let cells = |k: usize| shown(&path, k, span, [forward.first[k], forward.end[k]]);
         let part = [cells(0), cells(1)];
-        let size = (part[0][1] - part[0][0]).max(part[1][1] - part[1][0]);
         if part[0][0] >= part[0][1] || part[1][0] >= part[1][1] {
             return false;
         }
-        let mut level = -1;
-        if size > FEW_CELLS {
-            level = 0;
-            while size > 16 << (2 * level) {
-                level += 1;
-            }
+        // The smallest level of which 4 x 4 nodes, or blocks, hold the part.
+        let (mut level, mut bits) = (-1, 2);
+        while (0..2).any(|k| ((part[k][1] - 1) >> bits) - (part[k][0] >> bits) > 3) {
+            (level, bits) = (level + 1, bits + 2);
         }
-        let bits = 2 * (level + 1) + 2;
+        let first = [part[0][0] >> bits, part[1][0] >> bits];
+        if level < 0 {
+            square::fetch_block::<L>(self.cells.mesh, first, forward.turn);
+        }
+        let single = (0..2).all(|k| (part[k][1] - 1) >> bits == first[k]);
         let prism = self.cells.prism;
-        let extent = self.area.extent();
-        let framed = Framed { path, blind, size: extent * (prism.range[1] - prism.range[0]) };
-        self.scratch.frames.clear();
-        self.scratch.frames.push(framed);
-        for y in ((part[1][0] >> bits)..=((part[1][1] - 1) >> bits)).rev() {
-            for x in ((part[0][0] >> bits)..=((part[0][1] - 1) >> bits)).rev() {
-                let node = Node {
-                    level,
-                    place: [x, y],
-                    span,
-                    depth: 1,
-                    frame: 0,
-                    heights: prism.range,
-                    loose: true,
-                };
-                self.scratch.waiting.push(node);
-            }
+        let framed = Framed { path, size: self.area.extent() * (prism.range[1] - prism.range[0]) };
+        let [low, high] = [prism.range[0] as f32, prism.range[1] as f32];
+        let heights = [low.next_down(), high.next_up()];
+        let mut walk = Walk {
+            forward,
+            frames: [framed; FRAMES],
+            waiting: Waiting { near: [Node::default(); NEAR], len: 0, rest: Vec::new() },
+        };
+        let top = FRAMES - 1;
+        if single {
+            let node = Node { span, place: first, heights, level, frame: top as u32 };
+            walk.waiting.push(node);
+        } else {
+            let (low, high) = (L::splat(heights[0]), L::splat(heights[1]));
+            self.cells.probe.node();
+            self.parts(&mut walk, &Parts { level, first, frame: top, span, low, high });
         }
-        while let Some(node) = self.scratch.waiting.pop() {
-            if self.enter::<L>(&forward, node) {
-                self.scratch.waiting.clear();
+        while let Some(node) = walk.waiting.pop() {
+            if self.enter::<L>(&mut walk, node) {
                 return true;
             }
         }
@@ -127,53 +168,38 @@ impl<P: Probe> Descent<'_, P> {
 
     /// Tests the sixteen parts of a node; says whether the search is over.
     #[inline(always)]
-    fn enter<L: Lanes>(&mut self, forward: &Forward, mut node: Node) -> bool {
+    fn enter<L: Lanes>(&mut self, walk: &mut Walk, mut node: Node) -> bool {
         node.span[1] = node.span[1].min(self.cells.limit());
         if node.span[0] > node.span[1] {
             return false;
         }
-        let side = node.side();
-        let mut framed = self.scratch.frames[node.frame];
-        let error = framed.path.error.x.max(framed.path.error.y);
-        let coarse = framed.blind || error > LARGE * 0.25 * f64::from(side);
-        if coarse && let Some(better) = self.better_frame(forward, &node, &framed) {
-            self.scratch.frames.truncate(node.depth + 1);
-            while self.scratch.frames.len() <= node.depth {
-                self.scratch.frames.push(better);
-            }
-            self.scratch.frames[node.depth] = better;
-            node.frame = node.depth;
-            node.loose = true;
-            framed = better;
-        }
-
         self.cells.probe.node();
-        if !framed.blind && node.loose {
-            let path = &framed.path;
-            for k in 0..2 {
-                let low = f64::from(node.place[k] * side);
-                let ends = [low - MARGIN, low + f64::from(side) + MARGIN];
-                node.span = path.within(node.span, k, ends);
-            }
-            let slack = self.cells.mesh.height_slack;
-            let [low, high] = node.heights;
-            node.span = path.within(node.span, 2, [low - slack, high + slack]);
-            if node.span[0] > node.span[1] {
-                return false;
-            }
-        }
         if node.level < 0 {
-            self.block::<L>(forward, &node, &framed)
-        } else {
-            self.children::<L>(forward, &node, &framed);
-            false
+            return self.block::<L>(walk, &node);
         }
+        let (mut frame, level, side) = (node.frame as usize, node.level as usize, node.side());
+        let framed = &walk.frames[frame];
+        if is_coarse(&framed.path, 0.25 * f64::from(side))
+            && level < FRAMES - 1
+            && let Some(better) = self.better_frame(walk, &node, framed)
+        {
+            walk.frames[level] = better;
+            frame = level;
+        }
+        let mesh = self.cells.mesh;
+        let turn = walk.forward.turn;
+        let [low, high] = square::child_heights::<L>(mesh, node.level as u32, node.place, turn);
+        let first = node.place.map(|x| 4 * x);
+        let span = node.span;
+        self.parts(walk, &Parts { level: node.level - 1, first, frame, span, low, high });
+        false
     }
 
     /// A frame about a node, if it is much better than the one it was found in.
     #[inline(never)]
-    fn better_frame(&self, forward: &Forward, node: &Node, old: &Framed) -> Option<Framed> {
-        let Cells { mesh, prism, ray, .. } = self.cells;
+    fn better_frame(&self, walk: &Walk, node: &Node, old: &Framed) -> Option<Framed> {
+        let Cells { mesh, prism, .. } = self.cells;
+        let Walk { forward, frames, .. } = walk;
         let side = node.side();
         let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
         for k in 0..2 {
@@ -189,36 +215,30 @@ impl<P: Probe> Descent<'_, P> {
             }
         }
         let slack = mesh.height_slack;
-        (low.z, high.z) = (node.heights[0] - slack, node.heights[1] + slack);
+        let heights = node.heights.map(f64::from);
+        (low.z, high.z) = (heights[0] - slack, heights[1] + slack);
         let extent = high - low;
         let size = extent.x.max(extent.y) * extent.z;
-        if size > WORTH * old.size {
+        if size > WORTH * old.size || prism.frame.is_blind() {
             return None;
         }
-        let frame =
-            forward.reframed(&prism.sheet(&mesh.vertices), [low, high], prism.rounding(mesh.reach));
-        if frame.is_blind() {
-            return None;
-        }
-        let path = forward.path(&frame.path(ray.origin, ray.direction));
+        let path =
+            forward.bent(&prism.frame, prism.centre()).about(&frames[FRAMES - 1].path, low, high);
         let error = path.error.x.max(path.error.y);
-        let limit = f64::from(8 * side);
-        let better = old.blind || error < WORTH * old.path.error.x.max(old.path.error.y);
-        (better && error < limit).then_some(Framed { path, blind: false, size })
+        let better = error < WORTH * old.path.error.x.max(old.path.error.y);
+        (better && error < f64::from(8 * side)).then_some(Framed { path, size })
     }
 
-    /// Puts the children of a node that the ray may meet on the stack.
+    /// Lets the parts of a square wait that the ray may meet.
     #[inline(always)]
-    fn children<L: Lanes>(&mut self, forward: &Forward, node: &Node, framed: &Framed) {
-        let (mesh, side) = (self.cells.mesh, node.side());
-        let part = side / 4;
-        let heights = square::child_heights::<L>(mesh, node.level as u32, node.place, forward.turn);
-        let [low, high] = heights;
+    fn parts<L: Lanes>(&mut self, walk: &mut Walk, parts: &Parts<L>) {
+        let Parts { level, first, frame, span, low, high } = *parts;
+        let part = 4 << (2 * (level + 1));
+        let path = &walk.frames[frame].path;
         let (mut hits, mut spans) = (u16::MAX, None);
-        if !framed.blind {
-            let [x, y] = node.place;
-            let corner = [f64::from(x * side), f64::from(y * side)];
-            let square = Square::new(&framed.path, node.span, corner, (side, mesh));
+        if !path.is_blind() {
+            let corner = first.map(|x| f64::from(x * part));
+            let square = Square::new(path, span, corner, (4 * part, self.cells.mesh));
             let met = square.parts::<L>(low, high);
             hits = met.bits;
             spans = Some([met.near.store(), met.far.store()]);
@@ -227,61 +247,78 @@ impl<P: Probe> Descent<'_, P> {
             return;
         }
         let (low, high) = (low.store(), high.store());
-        let length = node.span[1] - node.span[0];
+        let length = span[1] - span[0];
+        let Forward { first: begin, end, .. } = walk.forward;
         while hits != 0 {
             let lane = 15 - hits.leading_zeros() as usize;
             hits &= !(1 << lane);
-            let place =
-                [4 * node.place[0] + (lane as i32 & 3), 4 * node.place[1] + (lane as i32 >> 2)];
-            if (0..2).any(|k| {
-                place[k] * part >= forward.end[k] || (place[k] + 1) * part <= forward.first[k]
-            }) {
+            let place = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
+            if (0..2).any(|k| place[k] * part >= end[k] || (place[k] + 1) * part <= begin[k]) {
                 continue;
             }
             let span = match &spans {
                 // A little wider than lanes can round.
                 Some([near, far]) => [
-                    (node.span[0] + (f64::from(near[lane]) - SPARE) * length).max(node.span[0]),
-                    (node.span[0] + (f64::from(far[lane]) + SPARE) * length).min(node.span[1]),
+                    (span[0] + (f64::from(near[lane]) - SPARE) * length).max(span[0]),
+                    (span[0] + (f64::from(far[lane]) + SPARE) * length).min(span[1]),
                 ],
-                None => node.span,
+                None => span,
             };
-            self.scratch.waiting.push(Node {
-                level: node.level - 1,
-                place,
-                span,
-                depth: node.depth + 1,
-                frame: node.frame,
-                heights: [f64::from(low[lane]), f64::from(high[lane])],
-                loose: false,
-            });
+            let heights = [low[lane], high[lane]];
+            walk.waiting.push(Node { span, place, heights, level, frame: frame as u32 });
         }
     }
 
     /// Shows the cells of a block that the ray may meet to the leaf; says whether the search is over.
     #[inline(always)]
-    fn block<L: Lanes>(&mut self, forward: &Forward, node: &Node, framed: &Framed) -> bool {
-        let mesh = self.cells.mesh;
-        let mut hits = u16::MAX;
-        if !framed.blind {
-            let [x, y] = node.place;
-            let corner = [f64::from(4 * x), f64::from(4 * y)];
-            let square = Square::new(&framed.path, node.span, corner, (4, mesh));
-            let corners = square::cell_corners::<L>(mesh, node.place, forward.turn);
-            hits = square.cells::<L>(corners);
+    fn block<L: Lanes>(&mut self, walk: &Walk, node: &Node) -> bool {
+        let (mesh, forward) = (self.cells.mesh, &walk.forward);
+        let framed = &walk.frames[node.frame as usize];
+        let corners = square::cell_corners::<L>(mesh, node.place, forward.turn);
+        let [h00, h10, h01, h11] = corners;
+        let low = h00.smaller(h10).smaller(h01.smaller(h11));
+        let high = h00.larger(h10).larger(h01.larger(h11));
+        let mut path = framed.path;
+        if is_coarse(&path, 1.0) {
+            // Its own heights bound it better than its parent's.
+            let heights = [low.least(), high.greatest()];
+            if passes(&path, node.span, heights, mesh.height_slack) {
+                return false;
+            }
+            if let Some(better) = self.better_frame(walk, &Node { heights, ..*node }, framed) {
+                path = better.path;
+            }
         }
+        let (mut hits, mut near) = (u16::MAX, None);
+        if !path.is_blind() {
+            let corner = node.place.map(|x| f64::from(4 * x));
+            let square = Square::new(&path, node.span, corner, (4, mesh));
+            let met = square.cells::<L>(corners, [low, high]);
+            hits = met.bits;
+            near = Some(met.near.store());
+        }
+        let length = node.span[1] - node.span[0];
         while hits != 0 {
-            let lane = hits.trailing_zeros() as i32;
+            let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
-            let cell = [4 * node.place[0] + (lane & 3), 4 * node.place[1] + (lane >> 2)];
+            let cell =
+                [4 * node.place[0] + (lane as i32 & 3), 4 * node.place[1] + (lane as i32 >> 2)];
             if (0..2).any(|k| cell[k] >= forward.end[k] || cell[k] < forward.first[k]) {
                 continue;
             }
             let cell = forward.unfolded(cell);
-            if framed.blind {
-                let low = cell.map(f64::from);
-                if self.cells.prism.footprint().misses(low, low.map(|x| x + 1.0)) {
-                    continue;
+            match &near {
+                Some(near) => {
+                    let entry = node.span[0] + (f64::from(near[lane]) - SPARE) * length;
+                    if entry > self.cells.limit() {
+                        continue;
+                    }
+                }
+                None => {
+                    let low = cell.map(f64::from);
+                    if self.cells.prism.footprint().misses(low, low.map(|x| x + 1.0)) {
+                        continue;
+                    }
                 }
             }
             if self.cells.leaf(cell) {
@@ -292,5 +329,19 @@ impl<P: Probe> Descent<'_, P> {
     }
 }
 
-/// Spans of children are wider by this share of their parent's.
-const SPARE: f64 = 1.0 / (1 << 22) as f64;
+/// Whether the error of a path is large beside a part of a node.
+#[inline(always)]
+fn is_coarse(path: &Path, part: f64) -> bool {
+    path.error.x.max(path.error.y) > LARGE * part
+}
+
+/// Whether a path is above or below all of a range of heights.
+#[inline(always)]
+fn passes(path: &Path, [from, to]: [f64; 2], [low, high]: [f32; 2], slack: f64) -> bool {
+    if path.is_blind() {
+        return false;
+    }
+    let (a, b) = (path.at(from).z, path.at(to).z);
+    let room = path.error.z + slack;
+    a.max(b) < f64::from(low) - room || a.min(b) > f64::from(high) + room
+}

@@ -4,8 +4,7 @@ use glam::DVec3;
 
 use crate::map::Run;
 
-use super::super::frame::{Frame, Path, Region};
-use super::super::prism::Sheet;
+use super::super::frame::{Bent, Frame, Path};
 
 /// Forward coordinates of a tile: they count stored cells, up or down, so that they rise along the
 /// ray. `forward = sign unfolded + shift`, and a stored cell is a forward cell combined with `turn`.
@@ -69,12 +68,13 @@ impl Forward {
         path
     }
 
-    /// A frame's path over forward cells, good for a box of them with these heights.
-    pub fn reframed(&self, sheet: &Sheet, [low, high]: [DVec3; 2], rounding: f64) -> Frame {
-        let (mut centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    /// A frame's bend over forward cells; `centre` is that of the frame over unfolded cells.
+    #[inline(always)]
+    pub fn bent(&self, frame: &Frame, mut centre: DVec3) -> Bent {
+        let sign = self.sign.map(f64::from);
         for k in 0..2 {
-            centre[k] = f64::from(self.sign[k]) * (centre[k] - f64::from(self.shift[k]));
+            centre[k] = sign[k] * centre[k] + f64::from(self.shift[k]);
         }
-        Frame::about(sheet, centre, &Region::Box(half), rounding)
+        frame.bent(centre, sign)
     }
 }

@@ -39,7 +39,6 @@ use super::nearest::Nearest;
 use super::prism::{Prism, Shape};
 use cells::Cells;
 use descent::Descent;
-pub(super) use descent::Scratch;
 
 /// One ray through one prism; says whether the search is over.
 pub(super) struct PrismWalk<'a, P> {
@@ -47,7 +46,6 @@ pub(super) struct PrismWalk<'a, P> {
     pub index: u32,
     pub ray: &'a MeshRay,
     pub nearest: &'a mut Nearest,
-    pub scratch: &'a mut Scratch,
     pub probe: &'a mut P,
 }
 
@@ -55,36 +53,30 @@ impl<P: Probe> PrismWalk<'_, P> {
     /// [`Method::Pyramid`](super::Method::Pyramid).
     #[inline(always)]
     pub fn through_pyramid<L: Lanes>(self) -> bool {
-        let Self { mesh, index, ray, nearest, scratch, probe } = self;
+        let Self { mesh, index, ray, nearest, probe } = self;
         let prism = &mesh.prisms[index as usize];
-        let seen = &mut None;
-        let mut cells = Cells { mesh, index, prism, ray, seen, nearest, probe };
+        let (seen, spare) = (&mut None, prism.t_slack / ray.speed());
+        let mut cells = Cells { mesh, index, prism, ray, spare, seen, nearest, probe };
         if prism.shape == Shape::Thread {
             return cells.all();
         }
         let mut span = [0.0, cells.limit()];
-        let path = prism.frame.path(ray.origin, ray.direction);
-        if !prism.frame.is_blind() {
+        let path = prism.path(ray);
+        if !path.is_blind() {
             span = clip(&path, span, prism, mesh.height_slack);
             if span[0] > span[1] {
                 return false;
             }
         }
         let area = prism.area();
-        let [x, y] = area.cells();
-        let (blind, heights) = (prism.frame.is_blind(), mesh.relief.heights());
-        let mut descent = Descent { cells, area, scratch };
-        for run_x in runs(heights.x(), shown(&path, 0, span, x, blind)) {
-            let ends = [f64::from(run_x.start), f64::from(run_x.end())];
-            let span = if blind { span } else { path.within(span, 0, ends) };
-            if span[0] > span[1] {
-                continue;
-            }
-            for run_y in runs(heights.y(), shown(&path, 1, span, y, blind)) {
-                let ends = [f64::from(run_y.start), f64::from(run_y.end())];
-                let span = if blind { span } else { path.within(span, 1, ends) };
-                if span[0] <= span[1] && descent.tile::<L>([&run_x, &run_y], [x, y], (&path, span))
-                {
+        let shown = area.cells();
+        let heights = mesh.relief.heights();
+        let mut descent = Descent { cells, area };
+        let mut next_x = Part::new(heights.x(), &path, 0, span, shown[0]);
+        while let Some((run_x, span)) = next_x.next(heights.x(), &path) {
+            let mut next_y = Part::new(heights.y(), &path, 1, span, shown[1]);
+            while let Some((run_y, span)) = next_y.next(heights.y(), &path) {
+                if descent.tile::<L>([&run_x, &run_y], shown, (&path, span)) {
                     return true;
                 }
             }
@@ -95,9 +87,10 @@ impl<P: Probe> PrismWalk<'_, P> {
     /// [`Method::Dda`](super::Method::Dda).
     #[inline(never)]
     pub fn every_cell(self) -> bool {
-        let Self { mesh, index, ray, nearest, probe, .. } = self;
+        let Self { mesh, index, ray, nearest, probe } = self;
         let prism = &mesh.prisms[index as usize];
-        Cells { mesh, index, prism, ray, seen: &mut None, nearest, probe }.all()
+        let spare = prism.t_slack / ray.speed();
+        Cells { mesh, index, prism, ray, spare, seen: &mut None, nearest, probe }.all()
     }
 }
 
@@ -121,14 +114,8 @@ fn clip(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 
 
 /// The cells of a range that a path may touch within a span.
 #[inline(always)]
-fn shown(
-    path: &Path,
-    axis: usize,
-    span: [f64; 2],
-    [first, end]: [i32; 2],
-    blind: bool,
-) -> [i32; 2] {
-    if blind {
+fn shown(path: &Path, axis: usize, span: [f64; 2], [first, end]: [i32; 2]) -> [i32; 2] {
+    if path.is_blind() {
         return [first, end];
     }
     let (a, b) = (path.at(span[0])[axis], path.at(span[1])[axis]);
@@ -137,8 +124,44 @@ fn shown(
     [first.max(low), end.min(high.saturating_add(1))]
 }
 
+/// The runs of an axis that a path may touch, one after the other.
+struct Part {
+    axis: usize,
+    span: [f64; 2],
+    /// Unfolded cells that are left.
+    cells: [i32; 2],
+    /// Whether one run holds all of them.
+    single: bool,
+}
+
+impl Part {
+    #[inline(always)]
+    fn new(axis: &Axis, path: &Path, number: usize, span: [f64; 2], cells: [i32; 2]) -> Self {
+        let single = axis.run(cells[0]).end() >= cells[1];
+        let cells = if single { cells } else { shown(path, number, span, cells) };
+        Self { axis: number, span, cells, single }
+    }
+
+    /// The next run, and the part of the span over it.
+    #[inline(always)]
+    fn next(&mut self, axis: &Axis, path: &Path) -> Option<(Run, [f64; 2])> {
+        while self.cells[0] < self.cells[1] {
+            let run = axis.run(self.cells[0]);
+            self.cells[0] = run.end();
+            if self.single || path.is_blind() {
+                return Some((run, self.span));
+            }
+            let ends = [f64::from(run.start) - MARGIN, f64::from(run.end()) + MARGIN];
+            let span = path.within(self.span, self.axis, ends);
+            if span[0] <= span[1] {
+                return Some((run, span));
+            }
+        }
+        None
+    }
+}
+
 /// The runs that cover a range of unfolded cells, cut to it.
-#[inline(always)]
 fn runs(axis: &Axis, [first, end]: [i32; 2]) -> impl Iterator<Item = Run> {
     let mut at = first;
     std::iter::from_fn(move || {

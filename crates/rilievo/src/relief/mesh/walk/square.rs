@@ -1,8 +1,8 @@
 //! [`Square`]: a path over a square of 4 x 4 equal parts, in sixteen lanes.
 //!
-//! **Rounding.** Parameters run from 0 to 1 over the span, which has been cut to the square, widened
-//! by the path's error; so all coordinates, counted from the square's corner, are at most `room`, side
-//! plus error. Rounding start and speed to `f32` moves a point by at most `3 u room`, `u = 2^-24`; a
+//! **Rounding.** Parameters run from 0 to 1 over the span; all coordinates there, counted from the
+//! square's corner, are at most `room`, the largest of those of the span's ends and the side, plus
+//! error. Rounding start and speed to `f32` moves a point by at most `3 u room`, `u = 2^-24`; a
 //! computed parameter of a line is the exact one of a line moved by `4 u` of its distance from the start, at most
 //! `8 u room`; a speed below `2^-20 room` is taken for that, which moves a point by as much.
 //! All this is less than `2^-18 room`, by which the error is widened. Heights likewise, their room
@@ -70,7 +70,7 @@ fn size<L: Lanes>(a: L) -> L {
 }
 
 impl Square {
-    /// `span` has been cut to the square of `side` cells at `corner` and to the map's heights.
+    /// The square of `side` cells at `corner`.
     #[inline(always)]
     pub fn new(
         path: &Path,
@@ -81,7 +81,8 @@ impl Square {
         let corner = DVec3::new(corner[0], corner[1], 0.0);
         let (a, b) = (path.at(from) - corner, path.at(to) - corner);
         let half_range = mesh.offsets.half_range;
-        let room = DVec3::new(f64::from(side), f64::from(side), 2.0 * half_range) + path.error;
+        let room = DVec3::new(f64::from(side), f64::from(side), 2.0 * half_range);
+        let room = room.max(a.abs()).max(b.abs()) + path.error;
         // What is spared for heights keeps flat maps from dividing by zero.
         let room = room + DVec3::new(0.0, 0.0, mesh.height_slack + 1e-30);
         let mut square = Self {
@@ -135,19 +136,18 @@ impl Square {
         Met { bits: L::bits(near.at_most(far)), near, far }
     }
 
-    /// The cells of a block of 4 x 4 that the path may touch, by their corners `h00 h10 h01 h11`.
+    /// The cells of a block of 4 x 4 that the path may touch, by their corners `h00 h10 h01 h11` and
+    /// the lowest and highest of each.
     ///
     /// At a root the path is within the error of a point of the cell, so its gap over the
     /// surface, `z - H(x, y)`, is at most `m = e_h + L_x e_x + L_y e_y` in size, `L` being bounds
     /// on the slopes. The gap is a quadratic in the parameter and lies between its Bernstein
     /// coefficients: a cell is left out where all three are above `m` or all below `-m`.
     #[inline(always)]
-    pub fn cells<L: Lanes>(&self, [h00, h10, h01, h11]: [L; 4]) -> u16 {
-        let low = h00.smaller(h10).smaller(h01.smaller(h11));
-        let high = h00.larger(h10).larger(h01.larger(h11));
+    pub fn cells<L: Lanes>(&self, [h00, h10, h01, h11]: [L; 4], [low, high]: [L; 2]) -> Met<L> {
         let Met { bits, near, far } = self.parts(low, high);
         if bits == 0 {
-            return 0;
+            return Met { bits, near, far };
         }
         let (cx, cy) = (L::load(&PLACES[0]), L::load(&PLACES[1]));
         let (xa, xb) = (self.point(0, near).minus(cx), self.point(0, far).minus(cx));
@@ -171,7 +171,7 @@ impl Square {
         let most = b0.larger(b1).larger(b2);
         let least = b0.smaller(b1).smaller(b2);
         let near_surface = L::and(least.at_most(m), L::splat(0.0).minus(m).at_most(most));
-        bits & L::bits(near_surface)
+        Met { bits: bits & L::bits(near_surface), near, far }
     }
 }
 
@@ -209,40 +209,72 @@ pub(super) fn cell_corners<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [
     let cell = [4 * (place[0] ^ turn[0]) as u32, 4 * (place[1] ^ turn[1]) as u32];
     let [h00, h10, h01, h11] = match map.samples() {
         Samples::U16(samples) => {
-            let rows = block_rows(map, samples, cell);
-            L::corners_u16(in_order(&rows, turn[1] != 0), turn[0] != 0)
+            let mut border = [[0; 8]; 5];
+            let rows = block_rows(map, samples, cell, &mut border);
+            L::corners_u16(in_order(rows, turn[1] != 0), turn[0] != 0)
         }
         Samples::F32(samples) => {
-            let rows = block_rows(map, samples, cell);
-            L::corners_f32(in_order(&rows, turn[1] != 0), turn[0] != 0)
+            let mut border = [[0.0; 8]; 5];
+            let rows = block_rows(map, samples, cell, &mut border);
+            L::corners_f32(in_order(rows, turn[1] != 0), turn[0] != 0)
         }
     };
     let level = L::splat(mesh.offsets.level);
     [h00.minus(level), h10.minus(level), h01.minus(level), h11.minus(level)]
 }
 
+/// Asks for the samples of a block before they are needed.
+#[inline(always)]
+pub(super) fn fetch_block<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [i32; 2]) {
+    let map = mesh.relief.heights();
+    let x = 4 * (place[0] ^ turn[0]) + map.x().first_cell();
+    let y = 4 * (place[1] ^ turn[1]) + map.y().first_cell();
+    let width = map.width() as usize;
+    for row in 0..5 {
+        let at = (y.max(0) as usize + row) * width + x.max(0) as usize;
+        match map.samples() {
+            Samples::U16(samples) => samples.get(at).map_or((), L::fetch),
+            Samples::F32(samples) => samples.get(at).map_or((), L::fetch),
+        }
+    }
+}
+
 /// Rows in the order of the forward cells.
 #[inline(always)]
-fn in_order<T>([a, b, c, d, e]: &[[T; 8]; 5], backward: bool) -> [&[T; 8]; 5] {
+fn in_order<T>([a, b, c, d, e]: [&[T; 8]; 5], backward: bool) -> [&[T; 8]; 5] {
     if backward { [e, d, c, b, a] } else { [a, b, c, d, e] }
 }
 
-/// Five rows of samples, of which the first five count, around the block of stored cells at `cell`.
+/// Five rows of samples, of which the first five count, around the block of stored cells at `cell`;
+/// copied to `border` where the map ends.
 #[inline(always)]
-fn block_rows<T: Copy + Default>(map: &HeightMap, samples: &[T], cell: [u32; 2]) -> [[T; 8]; 5] {
+fn block_rows<'a, T: Copy + Default>(
+    map: &HeightMap,
+    samples: &'a [T],
+    cell: [u32; 2],
+    border: &'a mut [[T; 8]; 5],
+) -> [&'a [T; 8]; 5] {
     let width = map.width() as usize;
     let x = cell[0] as i32 + map.x().first_cell();
     let y = cell[1] as i32 + map.y().first_cell();
-    let mut rows = [[T::default(); 8]; 5];
-    if x >= 0 && y >= 0 && x as usize + 8 <= width && y as u32 + 5 <= map.height() {
-        let mut at = y as usize * width + x as usize;
-        for row in &mut rows {
-            row.copy_from_slice(&samples[at..at + 8]);
-            at += width;
-        }
+    if x >= 0
+        && y >= 0
+        && x as usize + 8 <= width
+        && let Some(from) = samples.get(y as usize * width + x as usize..)
+        && let Some(rows) = inner_rows(from, width)
+    {
         return rows;
     }
-    border_rows(map, samples, cell)
+    *border = border_rows(map, samples, cell);
+    let [a, b, c, d, e] = border;
+    [a, b, c, d, e]
+}
+
+/// Five rows, one `width` after the other, if there are as many.
+#[inline(always)]
+fn inner_rows<T>(from: &[T], width: usize) -> Option<[&[T; 8]; 5]> {
+    let row = |k: usize| from.get(k * width..)?.first_chunk();
+    Some([row(0)?, row(1)?, row(2)?, row(3)?, row(4)?])
 }
 
 /// [`block_rows`] at the border of the map, sample by sample.
