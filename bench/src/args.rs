@@ -8,7 +8,7 @@ use rilievo::SimdLevel;
 use rilievo::map::DistanceKind;
 
 use crate::contender::Contender;
-use crate::map::MapName;
+use crate::map::{MapFile, MapName};
 use crate::rays::Family;
 use crate::solids::{Body, SolidFamily};
 use crate::transforms::{Grid, name};
@@ -149,6 +149,10 @@ pub struct SolidArgs {
     #[arg(long, value_enum, value_delimiter = ',',
           default_values_t = [MapName::Fbm, MapName::Moss, MapName::RoofingTiles])]
     pub maps: Vec<MapName>,
+    /// More maps as NAME=FILE, parted by commas; repeated where `--size` is larger, as thick as
+    /// `--thickness` says.
+    #[arg(long, value_name = "NAME=FILE,...", value_delimiter = ',')]
+    pub map_files: Vec<MapFile>,
     /// Samples a side.
     #[arg(long, value_name = "N", value_parser = size(), default_value_t = 2048)]
     pub size: u32,
@@ -158,7 +162,7 @@ pub struct SolidArgs {
     /// Thickness between the lowest and the highest offset, as shares of the body's size, parted by
     /// commas; of real maps it is divided by their repetitions.
     #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = depth,
-          default_values_t = [0.001, 0.03, 0.1, 0.2])]
+          default_values_t = [0.001, 0.01, 0.03, 0.1, 0.2])]
     pub thickness: Vec<f64>,
     /// Pixels a side of the image that makes the rays.
     #[arg(long, value_name = "N", default_value_t = 512,

@@ -6,7 +6,7 @@
 //! interpolation; above they are **repeated**, sample for sample, with the depth divided by the
 //! repetitions, as a floor of many such tiles would be: a larger size is then not a smoother one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use rilievo::map::{HeightMap, Lattice, Procedural, Samples, Wrap};
@@ -82,10 +82,40 @@ impl MapName {
     fn read(self, size: u32) -> Result<HeightMap, String> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let path = root.join(self.file().unwrap_or_default());
-        let tile = HeightOptions::default().read(&path, &Limits::default());
-        let tile = tile.map_err(|e| e.to_string())?;
-        resampled(&tile, size).map_err(|e| format!("map {}: {e}", self.name()))
+        read(&path, size)
     }
+}
+
+/// A map from anywhere, as NAME=FILE on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapFile {
+    pub name: String,
+    pub path: PathBuf,
+}
+
+impl std::str::FromStr for MapFile {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, path) = text.split_once('=').ok_or("a map file is NAME=FILE")?;
+        Ok(Self { name: name.to_owned(), path: path.into() })
+    }
+}
+
+impl MapFile {
+    /// The map with `size` x `size` samples: repeated above its own size, thinned out below.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn load(&self, size: u32) -> Result<HeightMap, String> {
+        read(&self.path, size)
+    }
+}
+
+fn read(path: &Path, size: u32) -> Result<HeightMap, String> {
+    let tile = HeightOptions::default().read(path, &Limits::default());
+    let tile = tile.map_err(|e| e.to_string())?;
+    resampled(&tile, size).map_err(|e| format!("map {}: {e}", path.display()))
 }
 
 /// `tile` at `size` x `size` samples: repeated above its own size, thinned out below.

@@ -11,13 +11,13 @@ mod tessellation;
 
 use std::collections::BTreeMap;
 
+use rilievo::map::HeightMap;
 use serde::{Deserialize, Serialize};
 
 use crate::args::SolidArgs;
 use crate::clock::Watch;
 #[cfg(feature = "embree")]
 use crate::embree::{Ray1, Scene};
-use crate::map::MapName;
 use crate::measure::interleaved;
 use crate::one_thread;
 use crate::rays::{Ray32, widened};
@@ -78,22 +78,37 @@ pub fn run(args: &SolidArgs) -> Result<(), String> {
     for &body in &args.bodies {
         for &map in &args.maps {
             let heights = map.load(args.size)?;
-            for &thickness in &args.thickness {
-                say(format_args!("{} {} {thickness}", body.name(), map.name()));
-                let watch = Watch::start();
-                let deep = map.depth(args.size, thickness);
-                let displaced = one_thread(|| body.displaced(&heights, deep))?;
-                let took = watch.took().cpu;
-                measure(args, (body, map, thickness), &displaced, took)?;
-            }
+            let deep = |thickness| map.depth(args.size, thickness);
+            measure_map(args, (body, map.name()), &heights, deep)?;
         }
+        for map in &args.map_files {
+            measure_map(args, (body, &map.name), &map.load(args.size)?, |thickness| thickness)?;
+        }
+    }
+    Ok(())
+}
+
+/// Measures a body under a map; `deep` turns what was asked for into the thickness it is given.
+fn measure_map(
+    args: &SolidArgs,
+    (body, map): (Body, &str),
+    heights: &HeightMap,
+    deep: impl Fn(f64) -> f64,
+) -> Result<(), String> {
+    for &thickness in &args.thickness {
+        say(format_args!("{} {map} {thickness}", body.name()));
+        let deep = deep(thickness);
+        let watch = Watch::start();
+        let displaced = one_thread(|| body.displaced(heights, deep))?;
+        let took = watch.took().cpu;
+        measure(args, (body, map, thickness), &displaced, took)?;
     }
     Ok(())
 }
 
 fn measure(
     args: &SolidArgs,
-    (body, map, thickness): (Body, MapName, f64),
+    (body, map, thickness): (Body, &str, f64),
     displaced: &Displaced,
     took: f64,
 ) -> Result<(), String> {
@@ -120,7 +135,7 @@ fn measure(
             let record = SolidRecord {
                 bench: "solids".to_owned(),
                 body: body.name().to_owned(),
-                map: map.name().to_owned(),
+                map: map.to_owned(),
                 size: args.size,
                 thickness,
                 family,
