@@ -240,10 +240,19 @@ pub(super) fn keep([from, to]: [f64; 2], start: f64, speed: f64, least: f64) -> 
 impl Path {
     /// The part of a span in which the path is between `low` and `high`, widened, on an axis.
     #[inline(always)]
-    pub fn within(&self, span: [f64; 2], axis: usize, [low, high]: [f64; 2]) -> [f64; 2] {
+    pub fn within(&self, [from, to]: [f64; 2], axis: usize, [low, high]: [f64; 2]) -> [f64; 2] {
         let (start, speed, error) = (self.start[axis], self.speed[axis], self.error[axis]);
-        let span = keep(span, start, speed, low - error);
-        keep(span, -start, -speed, -high - error)
+        let (low, high) = (low - error - start, high + error - start);
+        let inverse = 1.0 / speed;
+        let (a, b) = (low * inverse, high * inverse);
+        let (near, far) = if speed < 0.0 { (b, a) } else { (a, b) };
+        let (moves, outside) = (speed != 0.0, (low > 0.0) | (high < 0.0));
+        let to = if moves & (far < to) { far } else { to };
+        let never = !moves & outside;
+        [
+            if moves & (near > from) { near } else { from },
+            if never { f64::NEG_INFINITY } else { to },
+        ]
     }
 
     #[inline(always)]

@@ -264,6 +264,9 @@ impl<P: Probe> Descent<'_, P> {
                 ],
                 None => span,
             };
+            if level < 0 {
+                square::fetch_block::<L>(self.cells.mesh, place, walk.forward.turn);
+            }
             let heights = [low[lane], high[lane]];
             walk.waiting.push(Node { span, place, heights, level, frame: frame as u32 });
         }

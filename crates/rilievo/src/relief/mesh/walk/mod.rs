@@ -4,10 +4,11 @@
 //! **Pyramid.** A prism is entered by a straight line in lattice coordinates with an error (see
 //! `frame`): the parameters at which the line is between the lowest and highest height of the prism
 //! and inside of its three sides, all widened by the error. What is left is walked through the
-//! 4 x 4 pyramid of the map, node by node: sixteen children at once are cut by their borders and
-//! bounds, widened (`square`). Where the error is larger than 0.4 of a child, a new frame is made about
-//! the node: the error falls with the size of the node times its range of heights. In a block of
-//! 4 x 4 cells, cells are left out whose surface the line cannot touch (`square::Square::cells`).
+//! 4 x 4 pyramid of the map, from the smallest level of which 4 x 4 nodes hold it, at any place:
+//! sixteen children at once are cut by their borders and bounds, widened (`square`). Where the error is
+//! larger than 0.4 of a child, a new frame is made about the node: the error falls with the size of
+//! the node times its range of heights, which for a block of 4 x 4 cells are its own. In a block,
+//! cells are left out whose surface the line cannot touch (`square::Square::cells`).
 //!
 //! **Why it misses nothing.** A root that the leaf reports lies within [`MARGIN`] of its cell and its triangle,
 //! and its height within the bounds of the cell to four margins of the map's range. In every frame that
