@@ -21,6 +21,9 @@ const SCENES: &[(&str, &str, &str)] = &[
     ("spot", "bark/Bark014_1K_Displacement.jpg", "384x384"),
 ];
 
+/// Scenes of no map file, and the size of their pictures.
+const OTHERS: &[(&str, &str)] = &[("field", "576x360"), ("materials", "640x360")];
+
 pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
     let mut gallery = Table::new(&[
         "scene",
@@ -64,6 +67,11 @@ pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
             peak,
             seconds(drawn.number("render_cpu_seconds")?),
         ]);
+    }
+    for &(scene, resolution) in OTHERS {
+        let resolution = if studio.quick { "64x64" } else { resolution };
+        let out = studio.picture(&format!("{scene}.png"));
+        render(studio, (scene, &out), &["--resolution", resolution])?;
     }
     studio.write("docs/gallery.md", "memory", &gallery.markdown())?;
     studio.write("README.md", "memory", &readme.markdown())
