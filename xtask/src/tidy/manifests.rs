@@ -1,7 +1,7 @@
 //! Rule: crates depend on each other downwards only, and all take the workspace's lints.
 //!
 //! ```text
-//! rilievo  <-  rilievo-render  <-  rilievo-io  <-  rilievo-cli
+//! rilievo  <-  rilievo-render  <-  rilievo-io, rilievo-gpu  <-  rilievo-cli
 //! ```
 
 use super::Finding;
@@ -12,7 +12,9 @@ const GRAPH: &[(&str, &[&str])] = &[
     ("rilievo", &[]),
     ("rilievo-render", &["rilievo"]),
     ("rilievo-io", &["rilievo", "rilievo-render"]),
-    ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io"]),
+    // Its tests trace the scenes of the conformance suite.
+    ("rilievo-gpu", &["rilievo", "rilievo-render", "rilievo-tests"]),
+    ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
     ("rilievo-bench", &["rilievo", "rilievo-io"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),

@@ -165,6 +165,11 @@ impl ReliefFace {
         &self.relief
     }
 
+    /// Where its map lies in the world.
+    pub(super) fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
     /// The options the face was made with.
     pub fn options(&self) -> &FaceOptions {
         &self.options

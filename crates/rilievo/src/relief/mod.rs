@@ -28,6 +28,7 @@ mod corridor;
 mod distance_walk;
 mod face;
 mod kernels;
+mod lattice_frame;
 mod leaf;
 mod map_ray;
 mod mesh;
@@ -52,6 +53,7 @@ use crate::map::{
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
+pub use lattice_frame::LatticeFrame;
 pub use mesh::{
     Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError, SeamSteps,
 };

@@ -1,0 +1,280 @@
+//! What is written for the shaders to read and read from what they write: the structs of
+//! `shaders/params.wgsl`, field by field in their order, in words of 32 bits.
+
+use rilievo::glam::DVec3;
+use rilievo::map::{Axis, HeightMap, Lattice, LevelBounds, Pyramid, Samples, Wrap};
+use rilievo::relief::ReliefFace;
+use rilievo::{Hit, Part, Ray, Wall};
+
+/// Words of a ray.
+pub(crate) const RAY_WORDS: usize = 18;
+/// Words of a hit.
+pub(crate) const HIT_WORDS: usize = 12;
+/// Words of a face.
+#[cfg(test)]
+pub(crate) const FACE_WORDS: usize = 72;
+/// Words of a level in the table of a pyramid: nodes along x, first word of maxima and of minima.
+pub(crate) const LEVEL_WORDS: usize = 3;
+
+/// The surface of a ray that leaves none, and of a hit that is none.
+const NOTHING: u32 = u32::MAX;
+/// Bit of a side.
+const FRONT: u32 = 1;
+/// Where the kind of a wall begins.
+const WALL_SHIFT: u32 = 8;
+
+/// Where a map lies on the device, in words.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MapPlace {
+    /// First word of its samples.
+    pub heights: u32,
+    /// First word of the table of its pyramid.
+    pub bounds: u32,
+}
+
+/// Appends the fields of a struct.
+pub(crate) trait Words {
+    /// A float.
+    fn float(&mut self, x: f32);
+    /// A number as the sum of two floats; beyond their range the largest float.
+    fn double(&mut self, x: f64);
+    /// A vector, component by component.
+    fn vector(&mut self, v: DVec3);
+}
+
+impl Words for Vec<u32> {
+    fn float(&mut self, x: f32) {
+        self.push(x.to_bits());
+    }
+
+    fn double(&mut self, x: f64) {
+        let x = x.clamp(f64::from(f32::MIN), f64::from(f32::MAX));
+        let high = x as f32;
+        self.float(high);
+        self.float((x - f64::from(high)) as f32);
+    }
+
+    fn vector(&mut self, v: DVec3) {
+        v.to_array().into_iter().for_each(|x| self.double(x));
+    }
+}
+
+/// The power of two that brings a ray's direction to a largest component of 1 to 2.
+fn direction_scale(ray: &Ray) -> f64 {
+    let largest = ray.direction.abs().max_element();
+    // The exponent alone, of a number that is not denormal.
+    let exponent = (largest.to_bits() >> 52 & 0x7ff) as i32 - 1023;
+    2.0f64.powi(-exponent.clamp(-1000, 1000))
+}
+
+/// Writes a ray relative to `anchor`. One that is not valid is written with an end before its start.
+pub(crate) fn write_ray(words: &mut Vec<u32>, ray: &Ray, anchor: DVec3) {
+    let scale = direction_scale(ray);
+    let t_max = if ray.is_valid() { ray.t_max / scale } else { -1.0 };
+    words.vector(ray.origin - anchor);
+    words.vector(ray.direction * scale);
+    words.double(t_max);
+    let (surface, leaves, line) = match ray.from {
+        Some(from) => {
+            let (kind, line) = match from.part {
+                Part::Wall(wall) => wall_code(wall),
+                _ => (0, 0),
+            };
+            let side = if from.front { FRONT } else { 0 };
+            (from.surface, (kind << WALL_SHIFT) | side, line)
+        }
+        None => (NOTHING, 0, 0),
+    };
+    words.extend([surface, leaves, line as u32, 0]);
+}
+
+/// Kind and line of a wall.
+fn wall_code(wall: Wall) -> (u32, i32) {
+    match wall {
+        Wall::LowU => (1, 0),
+        Wall::HighU => (2, 0),
+        Wall::LowV => (3, 0),
+        Wall::HighV => (4, 0),
+        Wall::SeamU(line) => (5, line),
+        Wall::SeamV(line) => (6, line),
+    }
+}
+
+/// The wall of a kind and a line.
+fn wall_of((kind, line): (u32, i32)) -> Wall {
+    match kind {
+        1 => Wall::LowU,
+        2 => Wall::HighU,
+        3 => Wall::LowV,
+        4 => Wall::HighV,
+        5 => Wall::SeamU(line),
+        _ => Wall::SeamV(line),
+    }
+}
+
+/// A hit as a shader wrote it.
+pub(crate) struct HitRecord<'a>(pub &'a [u32]);
+
+impl HitRecord<'_> {
+    fn double(&self, at: usize) -> f64 {
+        let [high, low] = [self.0[at], self.0[at + 1]].map(f32::from_bits);
+        f64::from(high) + f64::from(low)
+    }
+
+    /// Index of the surface that was hit.
+    pub fn surface(&self) -> Option<u32> {
+        (self.0[8] != NOTHING).then_some(self.0[8])
+    }
+
+    /// Nodes and blocks looked at.
+    pub fn steps(&self) -> u32 {
+        self.0[10]
+    }
+
+    /// The hit on a face, worked out in `f64`.
+    pub fn on_face(&self, face: &ReliefFace, ray: &Ray) -> Hit {
+        let t = self.double(0) * direction_scale(ray);
+        let cell = [self.0[6] as i32, self.0[7] as i32];
+        let front = self.0[9] & FRONT != 0;
+        match self.0[9] >> WALL_SHIFT {
+            0 => {
+                let local = [self.double(2), self.double(4)].map(|x| x.clamp(0.0, 1.0));
+                face.hit_in_cell(ray, t, (cell, local), front)
+            }
+            kind => face.hit_on_wall(ray, t, wall_of((kind, cell[0])), front),
+        }
+    }
+}
+
+/// Writes a face whose map lies at `place`; `anchor` is that of the rays.
+pub(crate) fn write_face(
+    words: &mut Vec<u32>,
+    (face, surface): (&ReliefFace, u32),
+    place: MapPlace,
+    anchor: DVec3,
+) {
+    let (frame, map) = (face.lattice_frame(), face.relief().heights());
+    let by_row = frame.lattice_from_world.transpose();
+    [by_row.x_axis, by_row.y_axis, by_row.z_axis].into_iter().for_each(|row| words.vector(row));
+    words.vector(frame.corner - anchor);
+    words.vector(frame.lattice_corner);
+    frame.window.as_flattened().iter().for_each(|&x| words.double(x));
+    frame.shell.into_iter().for_each(|corner| words.vector(corner));
+    frame.culled.into_iter().for_each(|z| words.double(z));
+    let (low, high) = map.raw_range();
+    let code = face.relief().pyramid().code();
+    for x in [low, high, low.abs().max(high.abs()), frame.lift as f32, code.base, code.step] {
+        words.float(x);
+    }
+    words.float(frame.raw_zero as f32);
+    let options = face.options();
+    let floats = matches!(map.samples(), Samples::F32(_));
+    let flags = [frame.rises, options.closed, options.one_sided, floats];
+    words.push(flags.into_iter().zip(0..).map(|(flag, bit)| u32::from(flag) << bit).sum());
+    words.extend([map.width(), map.height(), map.x().cells(), map.y().cells()]);
+    words.extend(unfolding(map.x()));
+    words.extend([place.heights, place.bounds, levels(map), surface]);
+}
+
+/// Whether samples are texels, and the wrap.
+fn unfolding(axis: &Axis) -> [u32; 2] {
+    let wrap = match axis.wrap() {
+        Wrap::Repeat => 0,
+        Wrap::Clamp => 1,
+        Wrap::Mirror => 2,
+    };
+    [u32::from(axis.lattice() == Lattice::Texel), wrap]
+}
+
+/// Levels of the pyramid of a map.
+fn levels(map: &HeightMap) -> u32 {
+    let cells = map.x().cells().max(map.y().cells());
+    (0..).find(|level| cells.div_ceil(16 << (2 * level)) == 1).unwrap_or(0) + 1
+}
+
+/// Appends the samples of a map, two codes a word; returns the place of the first.
+pub(crate) fn write_heights(words: &mut Vec<u32>, map: &HeightMap) -> u32 {
+    let at = words.len() as u32;
+    match map.samples() {
+        Samples::U16(codes) => words.extend(codes.chunks(2).map(pair)),
+        Samples::F32(heights) => words.extend(heights.iter().map(|h| h.to_bits())),
+    }
+    at
+}
+
+/// Appends the table and the bounds of a pyramid in the default layout; returns the place of the table.
+/// None for another layout.
+pub(crate) fn write_bounds(words: &mut Vec<u32>, pyramid: &Pyramid) -> Option<u32> {
+    let at = words.len();
+    let levels = pyramid.levels() as usize;
+    words.resize(at + levels * LEVEL_WORDS, 0);
+    for level in 0..levels {
+        let stored = pyramid.level(level as u32);
+        let LevelBounds::Wide { max, min } = &stored.bounds else { return None };
+        let table = at + level * LEVEL_WORDS;
+        words[table] = stored.nodes[0];
+        for (side, bounds) in [max, min].into_iter().enumerate() {
+            words[table + 1 + side] = words.len() as u32;
+            words.extend(bounds.as_flattened().chunks(2).map(pair));
+        }
+    }
+    Some(at as u32)
+}
+
+/// One or two codes in a word, the first in the low half.
+fn pair(codes: &[u16]) -> u32 {
+    codes.iter().rev().fold(0, |word, &code| (word << 16) | u32::from(code))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rilievo::map::Layout;
+
+    #[test]
+    fn doubles_keep_48_bits() {
+        let mut words = Vec::new();
+        for x in [1.0 / 3.0, -1e7 / 7.0, 0.0, 6.02e23] {
+            words.clear();
+            words.double(x);
+            let back = HitRecord(&words).double(0);
+            assert!((back - x).abs() <= x.abs() * 2.0f64.powi(-48));
+        }
+        words.clear();
+        words.double(f64::INFINITY);
+        assert_eq!(HitRecord(&words).double(0), f64::from(f32::MAX));
+    }
+
+    #[test]
+    fn directions_are_scaled_by_powers_of_two() {
+        for direction in [DVec3::new(1e-9, -3.0, 2.0), DVec3::splat(1e100), DVec3::X * 1e-30] {
+            let ray = Ray::new(DVec3::ZERO, direction);
+            let largest = (direction * direction_scale(&ray)).abs().max_element();
+            assert!((1.0..2.0).contains(&largest), "{largest}");
+        }
+    }
+
+    #[test]
+    fn maps_are_written_in_words() {
+        let samples = Samples::U16((0..35).collect());
+        let map = HeightMap::new(7, 5, samples, Lattice::Vertex, Wrap::Clamp).unwrap();
+        let mut words = vec![9];
+        assert_eq!(write_heights(&mut words, &map), 1);
+        assert_eq!((words[1], words[17], words.len()), (1 << 16, (33 << 16) | 32, 19));
+        assert_eq!(words[18], 34);
+        let mut words = Vec::new();
+        assert_eq!(write_bounds(&mut words, &Pyramid::build(&map)), Some(0));
+        assert_eq!((words[..3].to_vec(), words.len()), (vec![1, 3, 11], 19));
+        assert_eq!(levels(&map), 1);
+        assert_eq!(write_bounds(&mut words, &Pyramid::build_as(&map, Layout::Tiny)), None);
+    }
+
+    #[test]
+    fn walls_are_read_back() {
+        for wall in
+            [Wall::LowU, Wall::HighU, Wall::LowV, Wall::HighV, Wall::SeamU(-3), Wall::SeamV(17)]
+        {
+            assert_eq!(wall_of(wall_code(wall)), wall);
+        }
+    }
+}

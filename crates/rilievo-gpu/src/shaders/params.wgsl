@@ -1,0 +1,102 @@
+// What a dispatch is told, and what it reads and writes. `records.rs` writes and reads the structs field
+// by field in this order.
+
+// A number as the sum of two floats, about 48 bits; see `double`.
+alias Double = vec2<f32>;
+
+struct Params {
+    // Always 0, which no compiler knows; see `rounded`.
+    zero: u32,
+    // First ray of this dispatch, and one past the last.
+    first: u32,
+    end: u32,
+    // Number of faces.
+    faces: u32,
+}
+
+struct Ray {
+    // Relative to the anchor of the scene.
+    origin: array<Double, 3>,
+    // Its largest component is at least 1 and below 2.
+    direction: array<Double, 3>,
+    t_max: Double,
+    // The surface it leaves, or NOTHING.
+    surface: u32,
+    // Bits: FRONT, and the kind of wall it leaves from bit 8 up (1 + axis * 2 + high, or 5 + axis for a seam).
+    leaves: u32,
+    // The line of a seam.
+    line: i32,
+    unused: u32,
+}
+
+struct Hit {
+    t: Double,
+    // In the cell; for a wall nothing.
+    local: array<Double, 2>,
+    // Unfolded cell; the line of a seam in x.
+    cell: vec2<i32>,
+    // Or NOTHING.
+    surface: u32,
+    // Bits: FRONT, and the kind of wall from bit 8 up, as in a ray.
+    part: u32,
+    steps: u32,
+    unused: u32,
+}
+
+// A displaced parallelogram and its map; the names are those of `relief::LatticeFrame`.
+struct Face {
+    // Row by row.
+    lattice_from_world: array<Double, 9>,
+    // Relative to the anchor of the scene.
+    corner: array<Double, 3>,
+    lattice_corner: array<Double, 3>,
+    window_low: array<Double, 2>,
+    window_high: array<Double, 2>,
+    shell_low: array<Double, 3>,
+    shell_high: array<Double, 3>,
+    culled: array<Double, 2>,
+    // Raw range of the map, and its largest magnitude.
+    low: f32,
+    high: f32,
+    size: f32,
+    lift: f32,
+    // Value of a bound's code 0, and of one code step.
+    code_base: f32,
+    code_step: f32,
+    raw_zero: f32,
+    // Bits: RISES, CLOSED, ONE_SIDED, FLOATS.
+    flags: u32,
+    samples: vec2<u32>,
+    // Stored cells, along each axis.
+    cells: vec2<u32>,
+    // 1 for a texel lattice; 0 repeat, 1 clamp, 2 mirror.
+    texel: u32,
+    wrap: u32,
+    // Where the map's samples begin, and the table of its pyramid, in words.
+    heights: u32,
+    bounds: u32,
+    levels: u32,
+    // Its index in the world.
+    surface: u32,
+}
+
+const NOTHING: u32 = 0xffffffffu;
+
+const FRONT: u32 = 1u;
+const WALL_SHIFT: u32 = 8u;
+
+const RISES: u32 = 1u;
+const CLOSED: u32 = 2u;
+const ONE_SIDED: u32 = 4u;
+const FLOATS: u32 = 8u;
+
+const REPEAT: u32 = 0u;
+const CLAMP: u32 = 1u;
+const MIRROR: u32 = 2u;
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> rays: array<Ray>;
+@group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(3) var<storage, read> faces: array<Face>;
+@group(0) @binding(4) var<storage, read> heights: array<u32>;
+@group(0) @binding(5) var<storage, read> bounds: array<u32>;

@@ -1,0 +1,207 @@
+// The twin of `relief/walk`: descent of the min-max pyramid, front to back, and the cells of a block
+// in the order in which the ray meets them.
+
+// Levels a map of 2^24 cells a side has.
+const LEVELS: u32 = 12u;
+
+// What the walk of one tile keeps.
+struct Walk {
+    tile: Tile,
+    // Height at the start, less and plus the slack of the cull.
+    low_start: f32,
+    high_start: f32,
+    // The part of the ray worth walking in this tile.
+    enter: f32,
+    leave: f32,
+    // Whether the ray may start below the surface.
+    both: bool,
+}
+
+// The children that the ray may meet of the node of a level that holds a mirrored cell.
+fn met(walk: Walk, level: u32, cell: vec2<i32>) -> u32 {
+    steps += 1u;
+    let shift = vec2<u32>(2u * level + 4u);
+    let node = cell >> shift;
+    let base = (node << shift) - walk.tile.origin;
+    let side = i32(4u << (2u * level));
+    var lines_x: array<f32, 5>;
+    var lines_y: array<f32, 5>;
+    for (var k = 0; k < 5; k++) {
+        lines_x[k] = time_of(0u, f32(base.x + k * side));
+        lines_y[k] = time_of(1u, f32(base.y + k * side));
+    }
+    let at = vec2<u32>(node ^ walk.tile.turn);
+    let table = faces[face].bounds + 3u * level;
+    let index = (at.y * bounds[table] + at.x) * 8u;
+    let upper = bounds[table + 1u] + index;
+    let lower = bounds[table + 2u] + index;
+    let base_value = faces[face].code_base;
+    let step_value = faces[face].code_step;
+    let mirror = vec2<u32>(walk.tile.turn) & vec2<u32>(3u);
+    let sinks = ray.dz < 0.0;
+    var mask = 0u;
+    for (var y = 0u; y < 4u; y++) {
+        let enter_row = larger(walk.enter, lines_y[y]);
+        let leave_row = smaller(walk.leave, lines_y[y + 1u]);
+        if enter_row >= leave_row {
+            continue;
+        }
+        let row = (y ^ mirror.y) * 2u;
+        let top = vec2<u32>(bounds[upper + row], bounds[upper + row + 1u]);
+        var bottom = vec2<u32>(0u);
+        if walk.both {
+            bottom = vec2<u32>(bounds[lower + row], bounds[lower + row + 1u]);
+        }
+        for (var x = 0u; x < 4u; x++) {
+            let near = larger(enter_row, lines_x[x]);
+            let far = smaller(leave_row, lines_x[x + 1u]);
+            if near >= far {
+                continue;
+            }
+            let column = x ^ mirror.x;
+            let half = 16u * (column & 1u);
+            let high = (select(top.x, top.y, column > 1u) >> half) & 0xffffu;
+            let highest = base_value + rounded(f32(high) * step_value);
+            let lowest_ray = rounded(select(near, far, sinks) * ray.dz) + walk.low_start;
+            var meets = lowest_ray <= highest;
+            if walk.both {
+                let low = (select(bottom.x, bottom.y, column > 1u) >> half) & 0xffffu;
+                let lowest = base_value + rounded(f32(low) * step_value);
+                let highest_ray = rounded(select(far, near, sinks) * ray.dz) + walk.high_start;
+                meets = meets && lowest <= highest_ray;
+            }
+            mask |= select(0u, 1u << (4u * y + x), meets);
+        }
+    }
+    return mask;
+}
+
+// The first admitted crossing in the block with its corner at a mirrored cell.
+fn first_in_block(walk: Walk, corner: vec2<i32>, admit: u32) -> LeafHit {
+    steps += 1u;
+    let first = corner - walk.tile.origin;
+    for (var y = 0; y < 4; y++) {
+        let fy = first.y + y;
+        let near_y = larger(f32(fy), walk.tile.lo.y);
+        let far_y = smaller(f32(fy + 1), walk.tile.hi.y);
+        let enter_row = larger(time_of(1u, near_y), 0.0);
+        let leave_row = smaller(time_of(1u, far_y), 1.0);
+        if enter_row >= leave_row {
+            continue;
+        }
+        for (var x = 0; x < 4; x++) {
+            let fx = first.x + x;
+            let near_x = larger(f32(fx), walk.tile.lo.x);
+            let far_x = smaller(f32(fx + 1), walk.tile.hi.x);
+            let t0 = larger(enter_row, time_of(0u, near_x));
+            let t1 = smaller(leave_row, time_of(0u, far_x));
+            if t0 >= t1 || ray.cull.x > t1 || t0 > ray.cull.y {
+                continue;
+            }
+            let cell = vec2<i32>(fx, fy);
+            let enters = vec2<f32>(entering(0u, fx, t0), entering(1u, fy, t0));
+            let leaves = vec2<f32>(leaving(0u, fx, t1), leaving(1u, fy, t1));
+            let gap = gap_of(enters, leaves, t0, t1, tile_corners(walk.tile, cell));
+            var hit = first_root(gap, admit);
+            if hit.found {
+                hit.s = smaller(rounded(hit.s * rounded(t1 - t0)) + t0, t1);
+                hit.cell = cell;
+                if confirms(t0, hit, admit) {
+                    return hit;
+                }
+            }
+        }
+    }
+    return no_hit();
+}
+
+// Mirrored cell of the ray's end in a tile, or beyond it, on the map.
+fn last_cell(walk: Walk, axis: u32) -> i32 {
+    let end = i32(ray.o[axis] + walk.leave * ray.d[axis]) + 1;
+    return on_map(walk, axis, walk.tile.origin[axis] + end);
+}
+
+fn on_map(walk: Walk, axis: u32, cell: i32) -> i32 {
+    let cells = i32(faces[face].cells[axis]);
+    let first = walk.tile.turn[axis] & -cells;
+    return clamp(cell, first, first + cells - 1);
+}
+
+// Corner of the block at a lane of the node of a level that holds a cell.
+fn child(cell: vec2<i32>, level: u32, lane: u32) -> vec2<i32> {
+    let side = 2u * level + 2u;
+    let node = vec2<i32>(-1) << vec2<u32>(side + 2u);
+    return (cell & node) + vec2<i32>(i32((lane & 3u) << side), i32((lane >> 2u) << side));
+}
+
+// The lanes after the one that holds a cell in its node of a level.
+fn lanes_after(cell: vec2<i32>, level: u32) -> u32 {
+    let at = vec2<u32>(cell >> vec2<u32>(2u * level + 2u)) & vec2<u32>(3u);
+    return ~1u << (4u * at.y + at.x);
+}
+
+// The first admitted crossing in a tile.
+fn walk_pyramid(tile: Tile, admit: u32) -> LeafHit {
+    var walk: Walk;
+    walk.tile = tile;
+    walk.enter = larger(tile.enter, ray.cull.x);
+    walk.leave = smaller(tile.leave, ray.cull.y);
+    walk.low_start = next_down(ray.oz - rounded(2.0 * slack()));
+    walk.high_start = next_up(ray.oz + rounded(2.0 * slack()));
+    walk.both = !ray.above;
+    let top = faces[face].levels - 1u;
+    var next = top;
+    var last = top;
+    var home = tile.turn;
+    let climbs = walk.enter <= 0.0;
+    if climbs {
+        home = vec2<i32>(on_map(walk, 0u, tile.origin.x), on_map(walk, 1u, tile.origin.y));
+        let end = vec2<i32>(last_cell(walk, 0u), last_cell(walk, 1u));
+        // Level l holds both if they agree above its 4 + 2 l low bits.
+        let bits = 32u - countLeadingZeros(u32((home.x ^ end.x) | (home.y ^ end.y)));
+        last = min((max(bits, 3u) - 3u) / 2u, top);
+        next = 0u;
+        if walk.both {
+            walk.both = gap_at(double(0.0)).x < 4.0 * slack();
+        }
+    }
+    // What is left to visit, sixteen bits a level.
+    var stack: array<u32, LEVELS>;
+    var level = 0u;
+    var lanes = 0u;
+    var at = home;
+    // The level of the node that was tested last without a parent.
+    var root_level = 0u;
+    loop {
+        if lanes != 0u {
+            let lane = firstTrailingBit(lanes);
+            lanes &= lanes - 1u;
+            at = child(at, level, lane);
+            if level > 0u {
+                stack[level] = lanes;
+                level -= 1u;
+                lanes = met(walk, level, at);
+                continue;
+            }
+            let hit = first_in_block(walk, at, admit);
+            if hit.found {
+                return hit;
+            }
+        } else if level < root_level {
+            level += 1u;
+            lanes = stack[level];
+        } else if next <= last {
+            at = home;
+            level = next;
+            root_level = next;
+            lanes = met(walk, level, at);
+            if next > 0u && climbs {
+                lanes &= lanes_after(home, next);
+            }
+            next += 1u;
+        } else {
+            break;
+        }
+    }
+    return no_hit();
+}
