@@ -146,7 +146,9 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
-        let poll = PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        // A program on a busy processor may take any time, and no driver resets it.
+        let timeout = (!self.software).then_some(PATIENCE);
+        let poll = PollType::Wait { submission_index: None, timeout };
         let polled = self.device.poll(poll);
         self.check()?;
         polled.map(|_| ()).map_err(|error| self.lost(error.to_string()))
