@@ -19,11 +19,12 @@ struct Ban {
 const CORE: &str = "crates/rilievo/src/";
 const RENDER: &str = "crates/rilievo-render/src/";
 const IO: &str = "crates/rilievo-io/src/";
+const GPU: &str = "crates/rilievo-gpu/src/";
 
 const BANS: &[Ban] = &[
     Ban {
         words: &["std::fs", "fs::", "File::", "OpenOptions", "std::net"],
-        folders: &[CORE, RENDER],
+        folders: &[CORE, RENDER, GPU],
         tests_too: false,
         message: "reads files; only rilievo-io may",
     },
@@ -35,13 +36,13 @@ const BANS: &[Ban] = &[
     },
     Ban {
         words: &["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()"],
-        folders: &[CORE, RENDER, IO],
+        folders: &[CORE, RENDER, IO, GPU],
         tests_too: false,
         message: "prints; only programs may",
     },
     Ban {
         words: &["process::exit", "process::abort"],
-        folders: &[CORE, RENDER, IO],
+        folders: &[CORE, RENDER, IO, GPU],
         tests_too: false,
         message: "ends the process; only programs may",
     },
