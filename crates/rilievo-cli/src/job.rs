@@ -178,7 +178,7 @@ impl RenderJob {
         fingerprint.add(settings.as_bytes());
         fingerprint.add(file.text().as_bytes());
         for path in file.references() {
-            fingerprint.add_file(&path)?;
+            fingerprint.add_reference(&path)?;
         }
         Ok(fingerprint)
     }

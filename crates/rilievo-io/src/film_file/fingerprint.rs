@@ -1,11 +1,12 @@
 //! [`Fingerprint`]: whether two renders are of the same scene under the same settings.
 
 use std::fmt;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::image::Udim;
 
 /// A hash of 128 bits over what a render depends on. It tells a mistake, not a forgery: nothing
 /// about it is cryptographic.
@@ -50,6 +51,37 @@ impl Fingerprint {
                 return Ok(());
             }
         }
+    }
+
+    /// Takes in what a path of a scene stands for: a file, all tiles of one with `<UDIM>` in its name, or
+    /// the files of a folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] where there are no tiles.
+    pub fn add_reference(&mut self, path: &Path) -> Result<()> {
+        if let Some(tiles) = Udim::find(path)? {
+            return self.add_named(tiles.tiles.into_iter().map(|(_, _, tile)| tile).collect());
+        }
+        if !path.is_dir() {
+            return self.add_file(path);
+        }
+        let fail = |e| Error::io(path, e);
+        let mut files = Vec::new();
+        for entry in fs::read_dir(path).map_err(fail)? {
+            files.push(entry.map_err(fail)?.path());
+        }
+        files.retain(|file| file.is_file());
+        files.sort();
+        self.add_named(files)
+    }
+
+    /// Takes in files with their names.
+    fn add_named(&mut self, files: Vec<PathBuf>) -> Result<()> {
+        for file in files {
+            self.add(file.file_name().unwrap_or_default().as_encoded_bytes());
+            self.add_file(&file)?;
+        }
+        Ok(())
     }
 
     fn words(&mut self, bytes: &[u8]) {
@@ -121,5 +153,29 @@ mod tests {
         }
         let missing = Fingerprint::default().add_file(&dir.path().join("b"));
         assert!(matches!(missing, Err(Error::Io { .. })));
+    }
+
+    #[test]
+    fn folders_and_tiles_stand_for_their_files() {
+        let dir = tempfile::tempdir().unwrap();
+        let write =
+            |name: &str, bytes: &[u8]| std::fs::write(dir.path().join(name), bytes).unwrap();
+        let of = |path: &Path| {
+            let mut fingerprint = Fingerprint::default();
+            fingerprint.add_reference(path).unwrap();
+            fingerprint
+        };
+        write("a_1001.png", b"one");
+        write("b.png", b"other");
+        let (folder, tiles) = (dir.path(), &dir.path().join("a_<UDIM>.png"));
+        let before = (of(folder), of(tiles));
+        assert_eq!((of(folder), of(tiles)), before);
+        write("a_1002.png", b"two");
+        assert!(of(folder) != before.0 && of(tiles) != before.1);
+        let before = of(tiles);
+        write("b.png", b"changed");
+        assert_eq!(of(tiles), before);
+        let missing = Fingerprint::default().add_reference(&folder.join("c_<UDIM>.png"));
+        assert!(missing.is_err());
     }
 }
