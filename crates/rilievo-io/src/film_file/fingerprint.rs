@@ -146,7 +146,7 @@ mod tests {
         let path = dir.path().join("a");
         for length in [0, 1, 8, 65535, 65536, 65537, 200_003] {
             let bytes: Vec<u8> = (0..length).map(|k: u64| (k * k / 7) as u8).collect();
-            std::fs::write(&path, &bytes).unwrap();
+            fs::write(&path, &bytes).unwrap();
             let mut fingerprint = Fingerprint::default();
             fingerprint.add_file(&path).unwrap();
             assert_eq!(fingerprint.to_string(), of(&[&bytes]), "{length}");
@@ -158,8 +158,7 @@ mod tests {
     #[test]
     fn folders_and_tiles_stand_for_their_files() {
         let dir = tempfile::tempdir().unwrap();
-        let write =
-            |name: &str, bytes: &[u8]| std::fs::write(dir.path().join(name), bytes).unwrap();
+        let write = |name: &str, bytes: &[u8]| fs::write(dir.path().join(name), bytes).unwrap();
         let of = |path: &Path| {
             let mut fingerprint = Fingerprint::default();
             fingerprint.add_reference(path).unwrap();
