@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::bsdf::GlassTable;
-use crate::scene::{
-    Conductor, Diffuse, Glass, Metal, Mix, Model, Principled, Reflectance, ThinGlass,
-};
+use crate::scene::{Conductor, Diffuse, Glass, Metal, Mix, Model, Principled, ThinGlass};
 use crate::texture::{ColourInput, NumberInput};
 
 pub(super) fn number(value: f64) -> NumberInput {
@@ -92,23 +90,68 @@ fn samples_of_principled_surfaces_follow_their_density() {
 }
 
 #[test]
-fn a_mix_is_one_of_its_parts_in_the_share_that_it_names() {
-    let part = |emitted: f64| Material {
-        diffuse: Reflectance::Uniform(Rgb::splat(emitted)),
-        ..Material::default()
+fn samples_of_a_mix_follow_its_density() {
+    let materials = [diffuse(0.5, 0.4), conductor(0.9, 0.4)];
+    let mix = Mix { materials, share: number(0.3) };
+    check("mix", &Material::of_model(Model::Mix(Arc::new(mix))));
+}
+
+#[test]
+fn a_mix_is_the_sum_of_its_parts() {
+    let parts = [diffuse(0.5, 0.4), conductor(0.9, 0.4)];
+    let mixed = |share| {
+        let (materials, share) = (parts.clone(), number(share));
+        Material::of_model(Model::Mix(Arc::new(Mix { materials, share })))
     };
+    for (view, hit) in views() {
+        let light = direction(0.7, 2.0, hit.front);
+        let [(a, p), (b, q)] = [&parts[0], &parts[1]].map(|m| bsdf(m, view, &hit).evaluate(light));
+        for share in [0.0, 0.25, 1.0] {
+            let (value, pdf) = bsdf(&mixed(share), view, &hit).evaluate(light);
+            let (sum, density) = ((1.0 - share) * a + share * b, (1.0 - share) * p + share * q);
+            assert!((value - sum).abs().max_element() <= 1e-15 * sum.max_element());
+            assert!((pdf - density).abs() <= 1e-15 * density);
+        }
+    }
+}
+
+#[test]
+fn a_mirror_in_a_mix_is_drawn_as_often_as_its_share() {
+    let materials = [diffuse(0.5, 0.0), conductor(0.9, 0.0)];
+    let mix = Material::of_model(Model::Mix(Arc::new(Mix { materials, share: number(0.3) })));
+    let (view, hit) = (direction(0.5, 0.0, true), hit(0.0, true));
+    let (mixed, mirror) = (bsdf(&mix, view, &hit), bsdf(&conductor(0.9, 0.0), view, &hit));
+    assert!(!mixed.is_delta() && mirror.is_delta());
+    let mut numbers = Numbers(5);
+    let mut mirrored = 0.0;
+    for _ in 0..100_000 {
+        let scattered = mixed.sample(numbers.one(), numbers.two()).unwrap();
+        if scattered.delta {
+            let alone = mirror.sample(0.5, DVec2::splat(0.5)).unwrap();
+            assert_eq!(scattered.weight, alone.weight);
+            assert_eq!(scattered.direction, alone.direction);
+            assert!((scattered.pdf - 0.3 * alone.pdf).abs() < 1e-15);
+            mirrored += 1e-5;
+        }
+    }
+    // Five standard deviations.
+    assert!((mirrored - 0.3_f64).abs() < 5.0 * (0.21_f64 / 1e5).sqrt(), "{mirrored}");
+}
+
+#[test]
+fn a_mix_within_a_mix_is_chosen_by_its_share() {
+    let part = |colour: f64| diffuse(colour, 0.0);
     let inner = Model::Mix(Arc::new(Mix { materials: [part(0.2), part(0.3)], share: number(0.5) }));
     let materials = [part(0.1), Material::of_model(inner)];
     let mix = Material::of_model(Model::Mix(Arc::new(Mix { materials, share: number(0.4) })));
-    let mut counts = [0.0_f64; 4];
-    let view = DVec3::Z;
+    let mut share = 0.0_f64;
     for k in 0..40_000 {
         let hit = hit(0.0, true);
         let position = hit.position + DVec3::X * f64::from(k) * 1e-5;
-        let albedo = bsdf(&mix, view, &Hit { position, ..hit }).albedo().x;
-        counts[(10.0 * albedo).round() as usize] += 1.0 / 40_000.0;
+        let albedo = bsdf(&mix, DVec3::Z, &Hit { position, ..hit }).albedo().x;
+        let inner = (albedo - 0.6 * 0.1) / 0.4;
+        assert!((inner - 0.2).abs() < 1e-12 || (inner - 0.3).abs() < 1e-12, "{inner}");
+        share += (inner - 0.2) / 0.1 / 40_000.0;
     }
-    for (k, share) in [(1, 0.6), (2, 0.2), (3, 0.2)] {
-        assert!((counts[k] - share).abs() < 0.01, "{counts:?}");
-    }
+    assert!((share - 0.5).abs() < 0.0125, "{share}");
 }
