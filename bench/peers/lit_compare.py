@@ -4,8 +4,9 @@
     lit_compare.py side-by-side FOLDER OUT.png SIDE SCENE...
 
 Prints one line of JSON: the means of both pictures and their relative difference, the share of pixels
-that a Z-test accepts (Mitsuba's: significance 0.01 over all pixels, corrected as Sidak does), and the
-root mean square error of one pass of each, by the spread of its passes.
+that a Z-test accepts (Mitsuba's: significance 0.01 over all pixels, corrected as Sidak does), the root
+mean square error of one pass of each against the reference, the mean of the long renders, and the same
+by the spread of its passes.
 """
 
 import json
@@ -39,6 +40,9 @@ def compare(folder, scene, variant):
     level = 1 - (1 - 0.01) ** (1 / difference[..., 0].size)
     bound = NormalDist().inv_cdf(1 - level / 2)
     accepted = (difference / error <= bound).mean()
+    long = [picture.linear(str(folder / f"{scene}-reference.exr")), numpy.load(folder / f"{scene}-reference.npy")]
+    reference = (long[0] + long[1]) / 2
+    errors = [float(numpy.sqrt(((passes - reference) ** 2).mean())) for passes in (ours, theirs)]
     plain = (difference / error <= NormalDist().inv_cdf(0.995)).mean()
     return {
         "scene": scene, "variant": variant,
@@ -47,8 +51,9 @@ def compare(folder, scene, variant):
         # Standard error of that difference.
         "difference_error": float(numpy.sqrt((error ** 2).sum()) / error.size / means[1]),
         "accepted": accepted, "within_99_percent": plain,
-        "rmse_rilievo": float(numpy.sqrt(spread[0].mean())),
-        "rmse_mitsuba": float(numpy.sqrt(spread[1].mean())),
+        "rmse_rilievo": errors[0], "rmse_mitsuba": errors[1],
+        "spread_rilievo": float(numpy.sqrt(spread[0].mean())),
+        "spread_mitsuba": float(numpy.sqrt(spread[1].mean())),
     }
 
 

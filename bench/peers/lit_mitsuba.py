@@ -1,8 +1,8 @@
 """A scene of `lit_scenes.py` by Mitsuba 3, displaced shapes tessellated before, in several passes.
 
-    lit_mitsuba.py SCENE VARIANT RESOLUTION SAMPLES PASSES FOLDER
+    lit_mitsuba.py SCENE VARIANT RESOLUTION SAMPLES PASSES FOLDER passes|mean
 
-Writes the passes to FOLDER as one NumPy array and prints one line of JSON.
+Writes the passes, or their mean alone, to FOLDER as one NumPy array and prints one line of JSON.
 """
 
 import json
@@ -15,7 +15,7 @@ import measure
 
 
 def main():
-    name, variant, resolution, samples, passes, folder = sys.argv[1:]
+    name, variant, resolution, samples, passes, folder, kept = sys.argv[1:]
     resolution, samples, passes, folder = int(resolution), int(samples), int(passes), Path(folder)
     import mitsuba
     import numpy
@@ -24,12 +24,21 @@ def main():
     imported = measure.own_cpu_seconds()
     scene = load(mitsuba, numpy, lit_scenes.scenes(folder)[name], resolution)
     prepared = measure.own_cpu_seconds()
-    pictures, seconds = [], []
-    for seed in range(passes):
+    # Seeds of the mean are none of the passes'.
+    first = 0 if kept == "passes" else 1 << 20
+    pictures, seconds, total = [], [], 0.0
+    for seed in range(first, first + passes):
         begun = measure.own_cpu_seconds()
-        pictures.append(numpy.array(mitsuba.render(scene, spp=samples, seed=seed)))
+        picture = numpy.array(mitsuba.render(scene, spp=samples, seed=seed))
         seconds.append(measure.own_cpu_seconds() - begun)
-    numpy.save(folder / f"{name}-{variant}.npy", numpy.stack(pictures))
+        if kept == "passes":
+            pictures.append(picture)
+        else:
+            total = total + picture.astype(numpy.float64)
+    if kept == "passes":
+        numpy.save(folder / f"{name}-{variant}.npy", numpy.stack(pictures))
+    else:
+        numpy.save(folder / f"{name}-reference.npy", total / passes)
     print(json.dumps({
         "version": mitsuba.__version__,
         "prepare_cpu_seconds": prepared - imported,
@@ -55,7 +64,7 @@ def load(mitsuba, numpy, scene, resolution):
         },
     }
     for k, shape in enumerate(scene.shapes):
-        whole[f"shape{k}"] = shape_of(mitsuba, numpy, shape, scene.materials[shape.material])
+        whole[f"shape{k}"] = shape_of(mitsuba, numpy, shape, scene.materials)
     if scene.sky:
         # Its middle lies towards local +z, its top towards +y.
         turn = transform([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -80,12 +89,17 @@ def rgb(value):
     return {"type": "rgb", "value": list(value)}
 
 
-def material_of(material):
+def material_of(mitsuba, numpy, name, materials):
     """The BSDF; both sides answer alike, as in rilievo."""
+    material = materials[name]
+    if "mix" in material:
+        first, second = (material_of(mitsuba, numpy, part, materials) for part in material["mix"])
+        return {"type": "blendbsdf", "weight": material["share"], "first": first, "second": second}
     if "conductor" in material:
         eta, k = material["conductor"]
-        inner = {"type": "roughconductor", "distribution": "ggx", "alpha": material["roughness"] ** 2,
-                 "eta": rgb(eta), "k": rgb(k)}
+        roughness = material["roughness"]
+        alpha = squares(mitsuba, numpy, roughness) if isinstance(roughness, Path) else roughness ** 2
+        inner = {"type": "roughconductor", "distribution": "ggx", "alpha": alpha, "eta": rgb(eta), "k": rgb(k)}
     elif "mirror" in material:
         # No Fresnel curve: the same share at every angle.
         inner = {"type": "conductor", "material": "none",
@@ -98,8 +112,17 @@ def material_of(material):
     return {"type": "twosided", "bsdf": inner}
 
 
-def shape_of(mitsuba, numpy, shape, material):
-    bsdf = material_of(material)
+def squares(mitsuba, numpy, path):
+    """An image of roughness as one of `alpha`, its square."""
+    texels = numpy.array(mitsuba.Bitmap(str(path)), copy=False)
+    most = 65535.0 if texels.dtype == numpy.uint16 else 255.0
+    alpha = (texels.reshape(*texels.shape[:2], -1)[..., :1] / most) ** 2
+    return {"type": "bitmap", "bitmap": mitsuba.Bitmap(alpha.astype(numpy.float32)), "raw": True}
+
+
+def shape_of(mitsuba, numpy, shape, materials):
+    material = materials[shape.material]
+    bsdf = material_of(mitsuba, numpy, shape.material, materials)
     if shape.relief:
         u, v, heights = samples_of(mitsuba, numpy, shape.relief)
         grid = rectangle_points if shape.rectangle else sphere_points

@@ -38,7 +38,8 @@ class Scene:
     look_at: tuple
     fov: float
     max_depth: int
-    #: By name: `diffuse` or `texture`, `mirror`, `conductor` (eta and k) with `roughness`, `emitted`.
+    #: By name: `diffuse` or `texture`, `mirror`, `conductor` (eta and k) with `roughness` (a number or an
+    #: image), `emitted`; or `mix`, two other names, with `share`, that of the second.
     materials: dict
     shapes: list = field(default_factory=list)
     #: Whether the sky shines.
@@ -121,7 +122,9 @@ def scenes(folder):
     set_ = Scene(
         (0.5, -0.55, 0.75), (0.5, 0.42, 0.0), 38.0, 4,
         {
-            "tiles": {"texture": tiles / "RoofingTiles009_1K_Color.png"},
+            "clay": {"texture": tiles / "RoofingTiles009_1K_Color.png"},
+            "glaze": {"conductor": COPPER, "roughness": tiles / "RoofingTiles009_1K_Roughness.png"},
+            "tiles": {"mix": ("clay", "glaze"), "share": 0.3},
             "sun": {"diffuse": (0, 0, 0), "emitted": (60.0, 55.0, 45.0)},
         },
         [
@@ -212,6 +215,10 @@ def scene_file(scene, folder, resolution):
                 # Mitsuba puts back nothing of what several facets reflect.
                 lines += ['model = "conductor"', f"eta = {list(eta)}", f"k = {list(k)}",
                           "compensate = false"]
+            elif key == "mix":
+                lines += ['model = "mix"', f"materials = {json.dumps(value)}"]
+            elif isinstance(value, Path):
+                lines.append(f"{key} = {json.dumps(str(value))}")
             elif isinstance(value, tuple):
                 lines.append(f"{key} = {list(value)}")
             else:
