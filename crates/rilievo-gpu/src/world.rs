@@ -198,6 +198,7 @@ fn kind(surface: &Surface) -> &'static str {
         Surface::ReliefSphere(_) => "a displaced sphere",
         Surface::ReliefMesh(_) => "a displaced mesh",
         Surface::Instance(_) => "an instance",
+        Surface::Moving(_) => "a surface that moves",
     }
 }
 

@@ -100,6 +100,12 @@ impl MemoryUse {
                     self.add(instance.prototype(), first);
                 }
             }
+            Surface::Moving(moving) => {
+                self.geometry += size_of_val(moving.as_ref()) as u64;
+                if first(Arc::as_ptr(moving.prototype()).cast()) {
+                    self.add(moving.prototype(), first);
+                }
+            }
         }
     }
 

@@ -30,15 +30,17 @@ pub struct Hit {
     pub surface: u32,
     /// The part of the surface that was hit.
     pub part: Part,
+    /// When: that of the ray.
+    pub time: f64,
 }
 
 impl Hit {
     /// A ray that leaves this point in `direction`; it will not meet its own start again, and
-    /// cannot slip through the surface it starts on.
+    /// cannot slip through the surface it starts on. It is traced at the same time.
     pub fn spawn(&self, direction: DVec3) -> Ray {
         let front = direction.dot(self.geometric_normal) >= 0.0;
         let from = Origin { surface: self.surface, part: self.part, front };
-        Ray { origin: self.position, direction, t_max: f64::INFINITY, from: Some(from) }
+        Ray { from: Some(from), time: self.time, ..Ray::new(self.position, direction) }
     }
 
     /// A ray from this point to `end`, where `t = 1`.

@@ -24,6 +24,8 @@ pub struct Ray {
     pub t_max: f64,
     /// The surface the ray starts on, if it starts on one.
     pub from: Option<Origin>,
+    /// When the ray is traced, from 0 to 1: where surfaces that move then are. Others ignore it.
+    pub time: f64,
 }
 
 /// The place on a surface from which a ray starts.
@@ -79,14 +81,14 @@ pub enum Wall {
 }
 
 impl Ray {
-    /// A ray that starts in free space and has no end.
+    /// A ray that starts in free space and has no end, at time 0.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin, direction, t_max: f64::INFINITY, from: None }
+        Self { origin, direction, t_max: f64::INFINITY, from: None, time: 0.0 }
     }
 
-    /// A ray that starts in free space and ends at `end`, where `t = 1`.
+    /// A ray that starts in free space and ends at `end`, where `t = 1`, at time 0.
     pub fn between(origin: DVec3, end: DVec3) -> Self {
-        Self { origin, direction: end - origin, t_max: 1.0, from: None }
+        Self { t_max: 1.0, ..Self::new(origin, end - origin) }
     }
 
     /// The point at `t`.

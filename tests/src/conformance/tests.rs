@@ -47,6 +47,7 @@ impl Contender for Judge<'_> {
             front: hit.front,
             surface: 0,
             part: hit.part,
+            time: ray.time,
         })
     }
 }

@@ -145,11 +145,15 @@ impl Report {
                     report.instances += 1;
                     instance.prototype().as_ref()
                 }
+                Surface::Moving(moving) => {
+                    report.instances += 1;
+                    moving.prototype().as_ref()
+                }
                 surface => surface,
             };
             match surface {
                 // Instances show no instances.
-                Surface::Instance(_) => {}
+                Surface::Instance(_) | Surface::Moving(_) => {}
                 Surface::Face(_) | Surface::ReliefSphere(_) => report.reliefs += 1,
                 Surface::ReliefMesh(mesh) => {
                     report.reliefs += 1;

@@ -3,7 +3,7 @@
 //! Every surface with an emitting material glows from its front side, seen directly and in
 //! reflections. Undisplaced quads and spheres are also *lights*: diffuse surfaces receive light
 //! from them through shadow rays. So are meshes, of up to 64 triangles for the paper's integrator, of
-//! any number for the path integrator. Displaced surfaces and instances only glow: the path integrator
+//! any number for the path integrator. Displaced surfaces, instances and what moves only glow: the path integrator
 //! finds them by the directions that materials scatter to, and counts them in full.
 //!
 //! Lights that are no surface are points, spots and suns ([`PointLight`], [`SunLight`]), and an image
@@ -106,7 +106,8 @@ impl Light {
             | Surface::Face(_)
             | Surface::ReliefSphere(_)
             | Surface::ReliefMesh(_)
-            | Surface::Instance(_) => Vec::new(),
+            | Surface::Instance(_)
+            | Surface::Moving(_) => Vec::new(),
         }
     }
 

@@ -26,8 +26,8 @@ const NORMAL_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// A surface that is not flat, as its neighbours see it.
 pub(crate) trait Shell {
-    /// Eight points in whose hull the surface lies.
-    fn hull(&self) -> [DVec3; 8];
+    /// Eight points in whose hull the surface lies at a time.
+    fn hull(&self, time: f64) -> [DVec3; 8];
 }
 
 /// The surface that a ray leaves.
@@ -37,8 +37,8 @@ pub(crate) enum Departure<'a> {
     Triangle([DVec3; 3], bool),
     /// A parallelogram, likewise.
     Parallelogram(&'a [DVec3; 4], bool),
-    /// A surface that fills a shell.
-    Shell(&'a dyn Shell),
+    /// A surface that fills a shell, and when the ray leaves it.
+    Shell(&'a dyn Shell, f64),
 }
 
 impl Departure<'_> {
@@ -47,7 +47,7 @@ impl Departure<'_> {
         match *self {
             Self::Triangle([a, b, c], _) => [a, b, c, c, c, c, c, c],
             Self::Parallelogram(&[a, b, c, d], _) => [a, b, c, d, d, d, d, d],
-            Self::Shell(shell) => shell.hull(),
+            Self::Shell(shell, time) => shell.hull(time),
         }
     }
 
@@ -56,7 +56,7 @@ impl Departure<'_> {
         match *self {
             Self::Triangle(corners, front) => Some((Plane::through(&corners), front)),
             Self::Parallelogram(&[a, b, _, d], front) => Some((Plane::through(&[a, b, d]), front)),
-            Self::Shell(_) => None,
+            Self::Shell(..) => None,
         }
     }
 

@@ -32,7 +32,7 @@ impl Mesh {
     pub fn closest(&self, ray: &Ray, probe: &mut impl Probe) -> Option<Hit> {
         let departure = ray.from.and_then(|from| self.departure(from));
         let (index, crossing) = self.meet(ray, departure.as_ref(), probe)?;
-        Some(self.complete(index, &crossing))
+        Some(Hit { time: ray.time, ..self.complete(index, &crossing) })
     }
 
     /// Whether any triangle is met within `0 <= t <= t_max`.
@@ -79,7 +79,7 @@ impl Mesh {
         best
     }
 
-    /// The hit behind a crossing.
+    /// The hit behind a crossing, at time 0.
     pub(crate) fn complete(&self, index: u32, crossing: &Crossing) -> Hit {
         let point = self.point(index, &crossing.weights);
         Hit {
@@ -94,6 +94,7 @@ impl Mesh {
             front: crossing.front,
             surface: 0,
             part: Part::Triangle(index),
+            time: 0.0,
         }
     }
 

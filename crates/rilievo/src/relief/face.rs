@@ -293,6 +293,7 @@ impl ReliefFace {
             front: crossing.front,
             surface: 0,
             part,
+            time: ray.time,
         }
     }
 

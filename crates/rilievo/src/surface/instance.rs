@@ -1,8 +1,8 @@
 //! [`Instance`]: a surface that stands somewhere else, shared by all that show it.
 //!
-//! Rays are brought into the frame of the prototype by an affine map, which keeps their parameter;
-//! hits are brought back. The world's tree holds the boxes of the instances, the prototype its own
-//! tree: two levels, whatever the number of instances. An instance takes two matrices and a pointer.
+//! Rays are brought into the frame of the prototype and hits are brought back. The world's tree holds
+//! the boxes of the instances, the prototype its own tree: two levels, whatever the number of
+//! instances. An instance takes two matrices and a pointer.
 //!
 //! A ray that leaves an instance starts, in the prototype's frame, within a few roundings of the
 //! *world's* coordinates from its surface. Where an instance is smaller than about 2^-30 of its
@@ -11,60 +11,56 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use thiserror::Error;
 
-use crate::accel::{Aabb, GROWTH};
-use crate::hit::Hit;
-use crate::mesh::COORDINATE_LIMIT;
+use crate::accel::Aabb;
 use crate::mesh::departure::Shell;
-use crate::ray::Ray;
 
 use super::Surface;
+use super::place::Place;
 
 /// A prototype and where it stands.
 #[derive(Clone, Debug)]
 pub struct Instance {
     prototype: Arc<Surface>,
-    world_from_local: DAffine3,
-    local_from_world: DAffine3,
+    place: Place,
 }
 
 /// Why an instance was refused.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum InstanceError {
-    /// A number of the transform is not finite or beyond [`COORDINATE_LIMIT`].
+    /// A number of the transform or the motion is not finite or beyond 1e100.
     #[error("the transform is not finite or has numbers beyond 1e100")]
     NotFinite,
     /// The transform makes the surface flat.
     #[error("the transform has no inverse")]
     Singular,
+    /// A motion that turns, but about no axis.
+    #[error("the motion turns about an axis without direction")]
+    NoAxis,
+    /// A motion that turns further than [`Motion::MOST`](super::Motion::MOST).
+    #[error("the motion turns by more than {} radian", super::Motion::MOST)]
+    TooFar,
+    /// The prototype moves by itself.
+    #[error("a surface that moves cannot be shown again")]
+    Moving,
 }
 
 impl Instance {
     /// Stands a surface somewhere. The instance of an instance shows the same prototype.
     ///
     /// # Errors
-    /// [`InstanceError`] for a transform that cannot be undone.
+    /// [`InstanceError`] for a transform that cannot be undone, and for a prototype that moves.
     pub fn new(prototype: Arc<Surface>, world_from_local: DAffine3) -> Result<Self, InstanceError> {
-        if let Surface::Instance(inner) = prototype.as_ref() {
-            let world_from_inner = world_from_local * inner.world_from_local;
-            return Self::new(Arc::clone(&inner.prototype), world_from_inner);
+        match prototype.as_ref() {
+            Surface::Instance(inner) => {
+                let world_from_inner = world_from_local * *inner.world_from_local();
+                Self::new(Arc::clone(&inner.prototype), world_from_inner)
+            }
+            Surface::Moving(_) => Err(InstanceError::Moving),
+            _ => Ok(Self { place: Place::new(world_from_local)?, prototype }),
         }
-        // Negated, so that NaN is refused.
-        let wild = |p: DVec3| !p.abs().cmple(DVec3::splat(COORDINATE_LIMIT)).all();
-        let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = world_from_local;
-        if [x_axis, y_axis, z_axis, translation].into_iter().any(wild) {
-            return Err(InstanceError::NotFinite);
-        }
-        let volume = world_from_local.matrix3.determinant().abs();
-        let local_from_world = world_from_local.inverse();
-        let longest = x_axis.length() * y_axis.length() * z_axis.length();
-        let spans = volume > 1e-12 * longest;
-        if !spans || !local_from_world.is_finite() {
-            return Err(InstanceError::Singular);
-        }
-        Ok(Self { prototype, world_from_local, local_from_world })
     }
 
     /// The surface shown.
@@ -74,74 +70,24 @@ impl Instance {
 
     /// Where it stands.
     pub fn world_from_local(&self) -> &DAffine3 {
-        &self.world_from_local
+        &self.place.world_from_local
+    }
+
+    pub(super) fn place(&self) -> &Place {
+        &self.place
     }
 
     /// A box around the instance.
     pub fn bounds(&self) -> Aabb {
-        let bounds = self.prototype.bounds();
-        if bounds.is_empty() {
-            return bounds;
-        }
-        let placed =
-            Aabb::around(corners(&bounds).map(|p| self.world_from_local.transform_point3(p)));
-        placed.grown(GROWTH * (placed.largest_coordinate() + self.reach(&bounds)))
-    }
-
-    /// Bound on what is added up in a transformed point.
-    fn reach(&self, bounds: &Aabb) -> f64 {
-        let DMat3 { x_axis, y_axis, z_axis } = self.world_from_local.matrix3;
-        let sum = x_axis.abs() + y_axis.abs() + z_axis.abs();
-        sum.max_element() * bounds.largest_coordinate()
-    }
-
-    /// A ray in the frame of the prototype; the parameter stays.
-    #[inline]
-    pub(super) fn local_ray(&self, ray: &Ray) -> Ray {
-        Ray {
-            origin: self.local_from_world.transform_point3(ray.origin),
-            direction: self.local_from_world.transform_vector3(ray.direction),
-            ..*ray
-        }
-    }
-
-    /// A hit of the prototype, in the world.
-    pub(super) fn world_hit(&self, hit: Hit) -> Hit {
-        let linear = self.world_from_local.matrix3;
-        // Normals are turned by the inverse's transpose, so they stay on their side.
-        let turn = self.local_from_world.matrix3.transpose();
-        let stretch = linear.x_axis.abs() + linear.y_axis.abs() + linear.z_axis.abs();
-        let position = self.world_from_local.transform_point3(hit.position);
-        let summed = stretch.max_element() * hit.position.abs().max_element()
-            + self.world_from_local.translation.abs().max_element();
-        let geometric_normal = (turn * hit.geometric_normal).normalize();
-        let shading_normal = (turn * hit.shading_normal).normalize();
-        // A stretch may open the angle between the two beyond a right one.
-        let sided = geometric_normal.dot(shading_normal) > 0.0;
-        Hit {
-            position,
-            position_error: stretch.length() * hit.position_error + 8.0 * f64::EPSILON * summed,
-            geometric_normal,
-            shading_normal: if sided { shading_normal } else { geometric_normal },
-            tangents: hit.tangents.map(|tangent| linear * tangent),
-            ..hit
-        }
+        self.place.bounds(&self.prototype.bounds())
     }
 }
 
 impl Shell for Instance {
     /// The corners of its prototype's box.
-    fn hull(&self) -> [DVec3; 8] {
-        corners(&self.prototype.bounds()).map(|p| self.world_from_local.transform_point3(p))
+    fn hull(&self, _: f64) -> [DVec3; 8] {
+        self.place.corners(&self.prototype.bounds())
     }
-}
-
-/// The corners of a box.
-pub(super) fn corners(Aabb { min, max }: &Aabb) -> [DVec3; 8] {
-    std::array::from_fn(|k| {
-        let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
-        DVec3::new(pick(0), pick(1), pick(2))
-    })
 }
 
 #[cfg(test)]
@@ -150,6 +96,7 @@ mod tests {
     use crate::accel::random::Random;
     use crate::map::{HeightMap, Lattice, Procedural, Wrap};
     use crate::mesh::{Mesh, MeshData};
+    use crate::ray::Ray;
     use crate::relief::{Displacement, FaceOptions, Relief, ReliefFace};
     use crate::surface::{Quad, Sphere, World};
 

@@ -1,7 +1,8 @@
 //! [`Meeting`]: where a ray meets a surface, as little as tells it from another.
 //!
 //! A hit carries position, normals, tangents and uv, and costs as much as the search for it. A
-//! world compares meetings and completes the nearest one alone; shadow rays complete none.
+//! world compares meetings and completes the nearest one alone; shadow rays complete none. Where a
+//! moving surface is, is worked out again then: a place is larger than a meeting.
 
 use crate::hit::Hit;
 use crate::mesh::Mesh;
@@ -11,14 +12,24 @@ use crate::probe::Probe;
 use crate::ray::Ray;
 use crate::relief::{self, MeshCrossing, ReliefFace, ReliefMesh, ReliefSphere, SphereCrossing};
 
-use super::{Instance, Quad, Sphere, Surface};
+use super::place::Place;
+use super::{Instance, MovingInstance, Quad, Sphere, Surface};
 
 /// A hit that is not worked out.
 #[derive(Clone, Copy)]
 pub(super) struct Meeting<'a> {
     met: Met<'a>,
-    /// Where the surface that is met stands, if it is an instance's prototype.
-    instance: Option<&'a Instance>,
+    /// Where the surface that is met stands, if it is a prototype.
+    standing: Option<Standing<'a>>,
+}
+
+/// How a prototype stands.
+#[derive(Clone, Copy)]
+enum Standing<'a> {
+    /// Still.
+    Still(&'a Place),
+    /// Where the ray's time says.
+    Moving(&'a MovingInstance),
 }
 
 /// What is met.
@@ -47,10 +58,18 @@ impl Meeting<'_> {
 
     /// The hit along the same ray; `hit.surface` is 0.
     pub(super) fn complete(&self, ray: &Ray) -> Hit {
-        match self.instance {
-            Some(instance) => instance.world_hit(self.met.complete(&instance.local_ray(ray))),
+        let mut hit = match self.standing {
             None => self.met.complete(ray),
-        }
+            Some(Standing::Still(place)) => self.placed(place, ray),
+            Some(Standing::Moving(moving)) => self.placed(&moving.place(ray.time), ray),
+        };
+        hit.time = ray.time;
+        hit
+    }
+
+    /// The hit of a prototype that stands at `place`.
+    fn placed(&self, place: &Place, ray: &Ray) -> Hit {
+        place.world_hit(self.met.complete(&place.local_ray(ray)))
     }
 }
 
@@ -107,22 +126,48 @@ impl Surface {
             }
             Self::ReliefMesh(mesh) => Met::ReliefMesh(mesh, mesh.first_crossing(ray, probe)?),
             Self::Instance(instance) => return instance.meet(ray, probe),
+            Self::Moving(moving) => return moving.meet(ray, probe),
         };
-        Some(Meeting { met, instance: None })
+        Some(Meeting { met, standing: None })
     }
+}
+
+/// What a ray, in the frame of a prototype that it leaves or not, meets of it.
+#[inline]
+fn meet_prototype<'a, P: Probe>(
+    prototype: &'a Surface,
+    ray: &Ray,
+    probe: &mut P,
+) -> Option<Meeting<'a>> {
+    let departure = ray.from.and_then(|from| prototype.departure(from, ray.time));
+    prototype.meet(ray, departure.as_ref(), probe)
 }
 
 impl Instance {
     /// What a ray meets of the prototype; `ray.from`, if any, is on this instance.
     fn meet<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Meeting<'_>> {
-        let (prototype, ray) = (self.prototype(), self.local_ray(ray));
-        let departure = ray.from.and_then(|from| prototype.departure(from));
-        let meeting = prototype.meet(&ray, departure.as_ref(), probe)?;
-        Some(Meeting { instance: Some(self), ..meeting })
+        let place = self.place();
+        let meeting = meet_prototype(self.prototype(), &place.local_ray(ray), probe)?;
+        Some(Meeting { standing: Some(Standing::Still(place)), ..meeting })
     }
 
     /// Whether a ray meets the prototype; rays as for [`Instance::meet`].
     pub(super) fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.prototype().occludes(&self.local_ray(ray), probe)
+        self.prototype().occludes(&self.place().local_ray(ray), probe)
+    }
+}
+
+impl MovingInstance {
+    /// What a ray meets of the prototype where it is at the ray's time; `ray.from`, if any, is on this
+    /// instance.
+    fn meet<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Meeting<'_>> {
+        let local = self.place(ray.time).local_ray(ray);
+        let meeting = meet_prototype(self.prototype(), &local, probe)?;
+        Some(Meeting { standing: Some(Standing::Moving(self)), ..meeting })
+    }
+
+    /// Whether a ray meets the prototype; rays as for [`MovingInstance::meet`].
+    pub(super) fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        self.prototype().occludes(&self.place(ray.time).local_ray(ray), probe)
     }
 }

@@ -10,11 +10,16 @@
 mod instance;
 mod lone;
 mod meeting;
+mod motion;
+mod moving;
+mod place;
 mod quad;
 mod sphere;
 mod world;
 
 pub use instance::{Instance, InstanceError};
+pub use motion::Motion;
+pub use moving::MovingInstance;
 pub use quad::{Quad, QuadError};
 pub use sphere::{Sphere, SphereError};
 pub use world::World;
@@ -46,6 +51,8 @@ pub enum Surface {
     ReliefMesh(Box<ReliefMesh>),
     /// Another surface, standing elsewhere.
     Instance(Box<Instance>),
+    /// Another surface, on its way.
+    Moving(Box<MovingInstance>),
 }
 
 impl From<Quad> for Surface {
@@ -90,21 +97,27 @@ impl From<Instance> for Surface {
     }
 }
 
+impl From<MovingInstance> for Surface {
+    fn from(moving: MovingInstance) -> Self {
+        Self::Moving(Box::new(moving))
+    }
+}
+
 impl Surface {
     /// The nearest hit within `0 <= t <= t_max`. `ray.from`, if any, is on this surface;
     /// `hit.surface` is 0.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let departure = ray.from.and_then(|from| self.departure(from));
+        let departure = ray.from.and_then(|from| self.departure(from, ray.time));
         Some(self.meet(ray, departure.as_ref(), probe)?.complete(ray))
     }
 
     /// Whether the surface is met within `0 <= t <= t_max`; rays as for [`Surface::closest`].
     pub fn occludes<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        let departure = ray.from.and_then(|from| self.departure(from));
+        let departure = ray.from.and_then(|from| self.departure(from, ray.time));
         self.occludes_after(ray, departure.as_ref(), probe)
     }
 
-    /// A box around the surface; empty if nothing of it can be hit.
+    /// A box around the surface, at all times; empty if nothing of it can be hit.
     pub fn bounds(&self) -> Aabb {
         match self {
             Self::Quad(quad) => quad.bounds(),
@@ -114,19 +127,21 @@ impl Surface {
             Self::ReliefSphere(sphere) => sphere.bounds(),
             Self::ReliefMesh(mesh) => mesh.bounds(),
             Self::Instance(instance) => instance.bounds(),
+            Self::Moving(moving) => moving.bounds(),
         }
     }
 
-    /// What flat neighbours should know of a ray that starts at `from`, on this surface.
-    fn departure(&self, from: Origin) -> Option<Departure<'_>> {
+    /// What flat neighbours should know of a ray that starts at `from`, on this surface, at a time.
+    fn departure(&self, from: Origin, time: f64) -> Option<Departure<'_>> {
         match self {
             Self::Quad(quad) => quad.departure(from),
             Self::Sphere(_) => None,
             Self::Mesh(mesh) => mesh.departure(from),
-            Self::Face(face) => Some(Departure::Shell(face.as_ref())),
-            Self::ReliefSphere(sphere) => Some(Departure::Shell(sphere.as_ref())),
-            Self::ReliefMesh(mesh) => Some(Departure::Shell(mesh.as_ref())),
-            Self::Instance(instance) => Some(Departure::Shell(instance.as_ref())),
+            Self::Face(face) => Some(Departure::Shell(face.as_ref(), time)),
+            Self::ReliefSphere(sphere) => Some(Departure::Shell(sphere.as_ref(), time)),
+            Self::ReliefMesh(mesh) => Some(Departure::Shell(mesh.as_ref(), time)),
+            Self::Instance(instance) => Some(Departure::Shell(instance.as_ref(), time)),
+            Self::Moving(moving) => Some(Departure::Shell(moving.as_ref(), time)),
         }
     }
 
@@ -145,13 +160,14 @@ impl Surface {
             Self::ReliefSphere(sphere) => sphere.occludes(ray, probe),
             Self::ReliefMesh(mesh) => mesh.occludes(ray, probe),
             Self::Instance(instance) => instance.occludes(ray, probe),
+            Self::Moving(moving) => moving.occludes(ray, probe),
         }
     }
 }
 
 impl Shell for ReliefFace {
     /// Its base at the smallest and the largest offset, and at 0 as well if it has walls.
-    fn hull(&self) -> [DVec3; 8] {
+    fn hull(&self, _: f64) -> [DVec3; 8] {
         let [corner, edge_u, edge_v, normal] = self.frame();
         let (heights, options) = (self.relief().heights(), self.options());
         let d = options.displacement;
@@ -169,14 +185,14 @@ impl Shell for ReliefFace {
 
 impl Shell for ReliefSphere {
     /// The box around it.
-    fn hull(&self) -> [DVec3; 8] {
-        instance::corners(&self.bounds())
+    fn hull(&self, _: f64) -> [DVec3; 8] {
+        place::corners(&self.bounds())
     }
 }
 
 impl Shell for ReliefMesh {
     /// The box around it.
-    fn hull(&self) -> [DVec3; 8] {
-        instance::corners(&self.bounds())
+    fn hull(&self, _: f64) -> [DVec3; 8] {
+        place::corners(&self.bounds())
     }
 }

@@ -93,7 +93,7 @@ impl Quad {
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let departure = ray.from.and_then(|from| self.departure(from));
         let (half, crossing) = self.meet(ray, departure.as_ref())?;
-        Some(self.complete(half, &crossing))
+        Some(Hit { time: ray.time, ..self.complete(half, &crossing) })
     }
 
     /// Whether the quad is met within `0 <= t <= t_max`.
@@ -113,7 +113,7 @@ impl Quad {
         }
     }
 
-    /// The hit behind a crossing of a half.
+    /// The hit behind a crossing of a half, at time 0.
     pub(crate) fn complete(&self, half: usize, crossing: &Crossing) -> Hit {
         let (position, position_error) =
             interpolate_position(&self.triangle(half), &crossing.weights);
@@ -138,6 +138,7 @@ impl Quad {
             front: crossing.front,
             surface: 0,
             part: self.part(half),
+            time: 0.0,
         }
     }
 

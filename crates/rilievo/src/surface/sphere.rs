@@ -91,6 +91,7 @@ impl Sphere {
             front,
             surface: 0,
             part: Part::Whole,
+            time: ray.time,
         }
     }
 

@@ -17,13 +17,15 @@ pub struct World {
     tree: Bvh,
     /// Where one relief stands among few: traced without the tree.
     lone: Option<Lone>,
+    moves: bool,
 }
 
 impl World {
     /// Builds the tree over `surfaces`; hits name them by their place in the list.
     pub fn new(surfaces: Vec<Surface>) -> Self {
         let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
-        Self { tree: Bvh::build(&boxes, 1), lone: Lone::of(&surfaces), surfaces }
+        let moves = surfaces.iter().any(|surface| matches!(surface, Surface::Moving(_)));
+        Self { tree: Bvh::build(&boxes, 1), lone: Lone::of(&surfaces), moves, surfaces }
     }
 
     /// The surfaces, in order.
@@ -31,7 +33,12 @@ impl World {
         &self.surfaces
     }
 
-    /// A box around everything.
+    /// Whether anything moves: else the time of rays means nothing.
+    pub fn moves(&self) -> bool {
+        self.moves
+    }
+
+    /// A box around everything, at all times.
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
@@ -102,7 +109,7 @@ impl World {
 /// What a ray leaves, as the others should know.
 pub(super) fn departure<'a>(surfaces: &'a [Surface], ray: &Ray) -> Option<Departure<'a>> {
     let from = ray.from?;
-    surfaces.get(from.surface as usize)?.departure(from)
+    surfaces.get(from.surface as usize)?.departure(from, ray.time)
 }
 
 /// The ray as surface `index` sees it: with its origin only if that is on this surface. `room` is for

@@ -63,7 +63,8 @@ impl ReliefMesh {
         let MeshCrossing { t, candidate } = *crossing;
         let count = self.prisms.len() as u32;
         if candidate.item >= count {
-            return self.complete_wall(t, &candidate, candidate.item - count);
+            let hit = self.complete_wall(t, &candidate, candidate.item - count);
+            return Hit { time: ray.time, ..hit };
         }
         let point = self.point_of(&candidate);
         let prism = &self.prisms[point.triangle as usize];
@@ -95,6 +96,7 @@ impl ReliefMesh {
             front: geometric_normal.dot(ray.direction) < 0.0,
             surface: 0,
             part: Part::TriangleCell { triangle: point.triangle, cell: point.cell },
+            time: ray.time,
         }
     }
 
@@ -127,6 +129,7 @@ impl ReliefMesh {
             front: candidate.front,
             surface: 0,
             part: Part::SeamWall(index),
+            time: 0.0,
         }
     }
 

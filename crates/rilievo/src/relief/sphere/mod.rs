@@ -155,7 +155,7 @@ impl ReliefSphere {
     /// The nearest hit with `0 <= t <= ray.t_max`. `hit.surface` is 0.
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         let crossing = self.first_crossing(ray, probe)?;
-        Some(self.complete(&crossing))
+        Some(Hit { time: ray.time, ..self.complete(&crossing) })
     }
 
     /// Whether the ray meets the sphere at some `0 <= t <= ray.t_max`.
@@ -178,7 +178,8 @@ impl ReliefSphere {
         }
     }
 
-    /// The hit of a crossing that [`ReliefSphere::first_crossing`] found. `hit.surface` is 0.
+    /// The hit of a crossing that [`ReliefSphere::first_crossing`] found. `hit.surface` is 0, and
+    /// so is `hit.time`.
     pub fn complete(&self, crossing: &SphereCrossing) -> Hit {
         let Self { relief, radii, .. } = self;
         let SphereCrossing { face, cell, local, .. } = *crossing;
@@ -210,6 +211,7 @@ impl ReliefSphere {
             front: crossing.front,
             surface: 0,
             part: Part::CubeCell(face, cell[0], cell[1]),
+            time: 0.0,
         }
     }
 
