@@ -40,7 +40,7 @@ mod syntax;
 mod terrain;
 
 pub use file::SceneFile;
-pub use keys::{Key, SECTIONS, Section, reference};
+pub use keys::reference;
 pub use options::{DistanceBuild, LoadOptions};
 pub use relief_sphere::LoadedSphereMap;
 pub use resolve::{LoadedMap, LoadedScene};

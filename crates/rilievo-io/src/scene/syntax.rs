@@ -1,8 +1,8 @@
 //! Typed access to TOML with spans: every refusal knows its line.
 
 use std::cell::RefCell;
-use std::fmt::{Display, Write};
-use std::ops::{Range, RangeBounds};
+use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 #[cfg(test)]
 use super::asked;
+use super::keys::{Key, Required};
 use crate::error::{Error, Excerpt, Fault, Place, Result};
 
 /// Most characters of a value that a message repeats.
@@ -46,7 +47,7 @@ impl Document<'_> {
 
 /// A value and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Located<T> {
+pub struct Located<T> {
     pub value: T,
     pub at: Range<usize>,
 }
@@ -68,21 +69,34 @@ impl<'a> Table<'a> {
         Self { doc, name: String::new(), entries: root.get_ref(), at, known: RefCell::default() }
     }
 
-    /// The value of `key`, if it is there.
-    pub fn get(&self, key: &'static str) -> Option<Value<'a>> {
+    /// The table of a key that is missing: nothing is in it.
+    pub fn without<K, M>(&self, key: &Key<K, M>, nothing: &'a DeTable<'a>) -> Self {
+        let (name, at) = (self.child(key.name), self.at());
+        Self { doc: self.doc, name, entries: nothing, at, known: RefCell::default() }
+    }
+
+    /// The value of a key, if it is there.
+    pub fn get<K, M>(&self, key: &Key<K, M>) -> Option<Value<'a>> {
+        let key = key.name;
         #[cfg(test)]
         asked::note(&self.name, key);
-        self.known.borrow_mut().push(key);
+        let mut known = self.known.borrow_mut();
+        if !known.contains(&key) {
+            known.push(key);
+        }
         let (_, value) = self.entries.iter().find(|(k, _)| k.get_ref() == key)?;
         Some(Value { doc: self.doc, name: self.child(key), value })
     }
 
-    /// The value of `key`.
-    pub fn require(&self, key: &'static str) -> Result<Value<'a>> {
-        self.get(key).ok_or_else(|| {
-            let found = format!("the key `{key}` is missing");
-            self.invalid(self.name_or("scene"), found, format!("`{key}` is required here"))
-        })
+    /// The value of a key that has to be there.
+    pub fn require<K>(&self, key: &Key<K, Required>) -> Result<Value<'a>> {
+        self.get(key).ok_or_else(|| self.lacks(key.name))
+    }
+
+    /// The key `key` is missing.
+    pub fn lacks(&self, key: &str) -> Error {
+        let found = format!("the key `{key}` is missing");
+        self.invalid(self.name_or("scene"), found, format!("`{key}` is required here"))
     }
 
     /// All entries, whatever their keys.
@@ -211,24 +225,17 @@ impl<'a> Value<'a> {
         number.filter(|n: &f64| n.is_finite()).ok_or_else(|| self.invalid("a finite number"))
     }
 
-    /// A number in a range, `allowed` in words.
-    pub fn number_in(&self, range: impl RangeBounds<f64>, allowed: &str) -> Result<f64> {
-        let number = self.number().map_err(|_| self.invalid(allowed))?;
-        if range.contains(&number) { Ok(number) } else { Err(self.invalid(allowed)) }
-    }
-
-    /// A whole number in a range.
-    pub fn integer<T>(&self, range: std::ops::RangeInclusive<T>) -> Result<T>
+    /// A whole number that `allows` takes; `allowed` says so in words.
+    pub fn integer<T>(&self, allows: impl Fn(&T) -> bool, allowed: &str) -> Result<T>
     where
-        T: TryFrom<i128> + PartialOrd + Display,
+        T: TryFrom<i128>,
     {
-        let allowed = format!("a whole number from {} to {}", range.start(), range.end());
         let DeValue::Integer(integer) = self.value.get_ref() else {
-            return Err(self.wrong_type(&allowed));
+            return Err(self.wrong_type(allowed));
         };
         self.whole(integer.as_str(), integer.radix())
             .and_then(|i| T::try_from(i).ok())
-            .filter(|i| range.contains(i))
+            .filter(allows)
             .ok_or_else(|| self.invalid(allowed))
     }
 
@@ -236,14 +243,22 @@ impl<'a> Value<'a> {
         i128::from_str_radix(digits, radix).ok()
     }
 
-    /// The `N` values of an array; `allowed` in words.
-    pub fn array<const N: usize>(&self, allowed: &str) -> Result<[Value<'a>; N]> {
+    /// The `N` values of an array, each as `read` reads it; `allowed` in words.
+    pub fn array<T, const N: usize>(
+        &self,
+        allowed: &str,
+        read: impl Fn(&Value<'a>) -> Result<T>,
+    ) -> Result<[T; N]> {
         let items = self.items(allowed)?;
-        let count = items.len();
-        items.try_into().map_err(|_| {
+        let wrong = |count: usize| {
             let found = format!("{} ({count} values)", self.found());
             Error::Invalid(Box::new(self.fault(found, allowed)))
-        })
+        };
+        if items.len() != N {
+            return Err(wrong(items.len()));
+        }
+        let values: Vec<T> = items.iter().map(read).collect::<Result<_>>()?;
+        values.try_into().map_err(|values: Vec<T>| wrong(values.len()))
     }
 
     /// The values of an array.
@@ -252,28 +267,6 @@ impl<'a> Value<'a> {
         Ok((array.iter().enumerate())
             .map(|(k, value)| Value { doc: self.doc, name: format!("{}[{k}]", self.name), value })
             .collect())
-    }
-
-    /// `N` finite numbers; `allowed` in words.
-    pub fn numbers<const N: usize>(&self, allowed: &str) -> Result<[f64; N]> {
-        let mut numbers = [0.0; N];
-        for (slot, value) in numbers.iter_mut().zip(self.array::<N>(allowed)?) {
-            *slot = value.number()?;
-        }
-        Ok(numbers)
-    }
-
-    /// `N` whole numbers in a range.
-    pub fn integers<const N: usize>(
-        &self,
-        range: std::ops::RangeInclusive<u32>,
-    ) -> Result<[u32; N]> {
-        let words = format!("{N} whole numbers from {} to {}", range.start(), range.end());
-        let mut numbers = [0; N];
-        for (slot, value) in numbers.iter_mut().zip(self.array::<N>(&words)?) {
-            *slot = value.integer(range.clone())?;
-        }
-        Ok(numbers)
     }
 
     /// A table.
@@ -291,11 +284,6 @@ impl<'a> Value<'a> {
     /// Whether it is a table.
     pub fn is_table(&self) -> bool {
         self.value.get_ref().is_table()
-    }
-
-    /// The value `read` makes of it, with its place.
-    pub fn located<T>(&self, read: impl FnOnce(&Self) -> Result<T>) -> Result<Located<T>> {
-        Ok(Located { value: read(self)?, at: self.at() })
     }
 }
 
@@ -360,23 +348,28 @@ mod tests {
     }
 
     #[test]
-    fn values_are_read_with_their_ranges() {
+    fn values_are_read_with_their_places() {
+        const fn key(name: &'static str) -> Key<(), Required> {
+            Key::new(name, (), Required(""), "")
+        }
         let text = "a = 0x10\nb = 1_000.5\nc = [1, 2.5]\nd = -1\ne = inf\nf = \"w\"\n";
         let doc = Document { path: Path::new("t"), text };
         let parsed = DeTable::parse(text).unwrap();
         let root = Table::root(doc, &parsed);
-        let get = |key| root.require(key).unwrap();
-        assert_eq!(get("a").integer(0..=16_u32).unwrap(), 16);
+        let get = |name| root.require(&key(name)).unwrap();
+        assert_eq!(get("a").integer(|n: &u32| *n <= 16, "").unwrap(), 16);
         assert_eq!(get("b").number().unwrap(), 1000.5);
-        assert_eq!(get("c").numbers::<2>("two").unwrap(), [1.0, 2.5]);
+        assert_eq!(get("c").array::<_, 2>("two", Value::number).unwrap(), [1.0, 2.5]);
         assert_eq!(get("d").number().unwrap(), -1.0);
         let message = |e: Error| e.to_string().lines().next().unwrap().to_owned();
-        let e = get("a").integer(0..=15_u32).unwrap_err();
-        assert_eq!(message(e), "t:1:5: a: 0x10; allowed: a whole number from 0 to 15");
+        let e = get("a").integer(|n: &u32| *n < 16, "less").unwrap_err();
+        assert_eq!(message(e), "t:1:5: a: 0x10; allowed: less");
         assert!(message(get("e").number().unwrap_err()).contains("e: inf; allowed: a finite"));
-        assert!(message(get("c").numbers::<3>("three").unwrap_err()).contains("(2 values)"));
+        let e = get("c").array::<_, 3>("three", Value::number).unwrap_err();
+        assert!(message(e).contains("(2 values)"));
         assert!(message(get("f").number().unwrap_err()).contains("\"w\" (string)"));
         assert!(root.finish().is_ok());
-        assert!(message(root.require("g").err().unwrap()).contains("the key `g` is missing"));
+        let lacking = root.require(&key("g")).err().unwrap();
+        assert!(message(lacking).contains("the key `g` is missing"));
     }
 }

@@ -33,18 +33,7 @@ pub struct RenderSettings {
 
 impl Default for RenderSettings {
     fn default() -> Self {
-        Self {
-            integrator: Integrator::Distributed,
-            samples: 16,
-            shadow_samples: 4,
-            glossy_samples: 4,
-            diffuse_samples: 0,
-            max_depth: 5,
-            clamp: 0.0,
-            seed: 0,
-            sampler: SamplerKind::Sobol,
-            filter: Filter::BOX,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -63,6 +52,19 @@ pub struct SettingsError {
 }
 
 impl RenderSettings {
+    /// What holds where nothing is asked for.
+    pub const DEFAULT: Self = Self {
+        integrator: Integrator::Distributed,
+        samples: 16,
+        shadow_samples: 4,
+        glossy_samples: 4,
+        diffuse_samples: 0,
+        max_depth: 5,
+        clamp: 0.0,
+        seed: 0,
+        sampler: SamplerKind::Sobol,
+        filter: Filter::BOX,
+    };
     /// Most camera rays per pixel.
     pub const MAX_SAMPLES: u32 = 1 << 20;
     /// Most shadow, reflection or bounce rays per hit.

@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use rilievo::glam::DVec3;
 use rilievo_render::{Camera, CameraError, CameraParts, Lens, Pose, Projection};
 
+use super::super::keys::camera::{self as keys, ProjectionKind};
 use super::super::syntax::{Table, Value};
-use super::view::point;
 use crate::error::Result;
 
 /// Height of the film behind a lens whose opening is told in f-stops, scene units: that of a 35 mm
@@ -35,33 +34,21 @@ struct Motion {
 
 impl CameraEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let position = table.require("position")?;
-        let look_at = table.require("look_at")?;
-        let (up, fov) = (table.get("up"), table.get("fov"));
-        let resolution = table.get("resolution");
-        let projection = read_projection(table)?;
-        let mut parts = CameraParts {
-            position: point(&position)?,
-            look_at: point(&look_at)?,
-            up: DVec3::Z,
-            fov: 40.0,
-            resolution: [512, 512],
+        let position = keys::POSITION.of(table)?;
+        let look_at = table.require(&keys::LOOK_AT)?;
+        let up = keys::UP.located(table)?;
+        let parts = CameraParts {
+            position,
+            look_at: keys::LOOK_AT.read(&look_at)?,
+            up: up.value,
+            fov: keys::FOV.of(table)?,
+            resolution: keys::RESOLUTION.of(table)?,
         };
-        if let Some(up) = &up {
-            parts.up = point(up)?;
-        }
-        if let Some(fov) = fov {
-            let allowed = "a number above 0 and below 180 (degrees)";
-            parts.fov = fov.number_in(f64::MIN_POSITIVE..180.0, allowed)?;
-        }
-        if let Some(resolution) = resolution {
-            parts.resolution = resolution.integers(1..=Camera::MAX_RESOLUTION)?;
-        }
+        let projection = read_projection(table)?;
         let lens = read_lens(table, &parts, projection)?;
         let motion = read_motion(table, &parts)?;
         table.finish()?;
-        let up = up.map_or_else(|| table.at(), |up| up.at());
-        Ok(Self { parts, projection, lens, motion, look_at: look_at.at(), up })
+        Ok(Self { parts, projection, lens, motion, look_at: look_at.at(), up: up.at })
     }
 
     /// The camera, or what is wrong with it, where, and what is allowed.
@@ -90,28 +77,19 @@ impl CameraEntry {
 }
 
 fn read_projection(table: &Table<'_>) -> Result<Projection> {
-    let (kind, height) = (table.get("projection"), table.get("height"));
-    let names = [("perspective", 0), ("orthographic", 1), ("panoramic", 2)];
-    let kind = kind.map_or(Ok(0), |kind| kind.choice(&names))?;
+    let (kind, height) = (keys::PROJECTION.of(table)?, table.get(&keys::HEIGHT));
     match (kind, height) {
-        (1, None) => {
+        (ProjectionKind::Orthographic, None) => {
             let found = "the key `height` is missing";
             Err(table.invalid("camera", found, "`height` of an orthographic image"))
         }
-        (1, Some(height)) => {
-            let allowed = "a number above 0 (scene units)";
-            let height = height.number_in(f64::MIN_POSITIVE.., allowed)?;
-            Ok(Projection::Orthographic { height })
+        (ProjectionKind::Orthographic, Some(height)) => {
+            Ok(Projection::Orthographic { height: keys::HEIGHT.read(&height)? })
         }
         (_, Some(height)) => Err(height.invalid("nothing: only orthographic images have a height")),
-        (0, None) => Ok(Projection::Perspective),
-        (_, None) => Ok(Projection::Panoramic),
+        (ProjectionKind::Perspective, None) => Ok(Projection::Perspective),
+        (ProjectionKind::Panoramic, None) => Ok(Projection::Panoramic),
     }
-}
-
-/// A number above 0.
-fn positive(value: &Value<'_>) -> Result<f64> {
-    value.number_in(f64::MIN_POSITIVE.., "a number above 0")
 }
 
 fn read_lens(
@@ -119,59 +97,43 @@ fn read_lens(
     parts: &CameraParts,
     projection: Projection,
 ) -> Result<Option<Lens>> {
-    let (aperture, f_stop) = (table.get("aperture"), table.get("f_stop"));
-    let focus = table.get("focus_distance");
-    let (blades, rotation) = (table.get("blades"), table.get("blade_rotation"));
-    let first = [&aperture, &f_stop, &focus, &blades, &rotation].into_iter().flatten().next();
-    if let (Projection::Panoramic, Some(value)) = (projection, first) {
+    let written: [Option<Value<'_>>; 5] = [
+        table.get(&keys::APERTURE),
+        table.get(&keys::F_STOP),
+        table.get(&keys::FOCUS_DISTANCE),
+        table.get(&keys::BLADES),
+        table.get(&keys::BLADE_ROTATION),
+    ];
+    if let (Projection::Panoramic, Some(value)) = (projection, written.iter().flatten().next()) {
         return Err(value.invalid("nothing: a panorama has no lens"));
     }
-    let focus_distance = match focus {
-        Some(value) => positive(&value)?,
+    if let [Some(_), Some(f_stop), ..] = &written {
+        return Err(f_stop.invalid("nothing: the lens has an `aperture`"));
+    }
+    let focus_distance = match keys::FOCUS_DISTANCE.of(table)? {
+        Some(distance) => distance,
         None => (parts.look_at - parts.position).length().max(f64::MIN_POSITIVE),
     };
-    let allowed = "0 (round) or 3 to 64";
-    let blades = match blades {
-        Some(value) => match value.integer(0..=Lens::MAX_BLADES)? {
-            1 | 2 => return Err(value.invalid(allowed)),
-            blades => blades,
-        },
-        None => 0,
-    };
-    let rotation = rotation.map_or(Ok(0.0), |value| value.number())?.to_radians();
-    let diameter = match (aperture, f_stop) {
+    let blades = keys::BLADES.of(table)?;
+    let rotation = keys::BLADE_ROTATION.of(table)?.to_radians();
+    let diameter = match (keys::APERTURE.of(table)?, keys::F_STOP.of(table)?) {
+        (Some(diameter), _) => diameter,
+        (None, Some(f_stop)) => 0.5 * FILM_HEIGHT / (0.5 * parts.fov.to_radians()).tan() / f_stop,
         (None, None) => return Ok(None),
-        (Some(_), Some(value)) => return Err(value.invalid("nothing: the lens has an `aperture`")),
-        (Some(value), None) => value.number_in(0.0.., "a number of at least 0 (scene units)")?,
-        (None, Some(value)) => {
-            let focal = 0.5 * FILM_HEIGHT / (0.5 * parts.fov.to_radians()).tan();
-            focal / positive(&value)?
-        }
     };
     Ok(Some(Lens { radius: 0.5 * diameter, focus_distance, blades, rotation }))
 }
 
 fn read_motion(table: &Table<'_>, parts: &CameraParts) -> Result<Option<Motion>> {
-    let (motion, shutter) = (table.get("motion"), table.get("shutter"));
-    let allowed = "two numbers from 0 to 1: when it opens and, not before, when it closes";
-    let shutter = match &shutter {
-        Some(value) => {
-            let times = value.numbers::<2>(allowed)?;
-            let sound = 0.0 <= times[0] && times[0] <= times[1] && times[1] <= 1.0;
-            if sound { times } else { return Err(value.invalid(allowed)) }
-        }
-        None => [0.0, 1.0],
-    };
+    let motion = table.get(&keys::MOTION_TABLE);
+    let shutter = keys::SHUTTER.of(table)?;
     let Some(value) = motion else { return Ok(None) };
     let table = value.table()?;
-    let (position, look_at) = (table.get("position"), table.get("look_at"));
-    let up = table.get("up");
-    table.finish()?;
-    let or = |value: Option<Value<'_>>, still| value.map_or(Ok(still), |value| point(&value));
     let end = Pose {
-        position: or(position, parts.position)?,
-        look_at: or(look_at, parts.look_at)?,
-        up: or(up, parts.up)?,
+        position: keys::END_POSITION.of(&table)?.unwrap_or(parts.position),
+        look_at: keys::END_LOOK_AT.of(&table)?.unwrap_or(parts.look_at),
+        up: keys::END_UP.of(&table)?.unwrap_or(parts.up),
     };
+    table.finish()?;
     Ok(Some(Motion { end, shutter, at: value.at() }))
 }

@@ -6,14 +6,10 @@ use std::ops::Range;
 use rilievo::glam::{DAffine3, DMat3};
 use rilievo::relief::Displacement;
 
+use super::super::keys::place as keys;
 use super::super::syntax::{Located, Table, Value};
-use super::material::PAIR;
 use super::shape::transform;
-use super::view::point;
 use crate::error::Result;
-
-/// Most instances of a shape.
-const MOST: u64 = 10_000_000;
 
 /// A place of a shape.
 #[derive(Clone, Debug)]
@@ -47,7 +43,7 @@ impl Changes {
 
 /// The places that a shape names; none if it stands where it is.
 pub(super) fn read_instances(table: &Table<'_>) -> Result<Option<Vec<InstanceEntry>>> {
-    let (listed, scattered) = (table.get("instances"), table.get("scatter"));
+    let (listed, scattered) = (table.get(&keys::INSTANCES), table.get(&keys::SCATTER_TABLE));
     match (listed, scattered) {
         (None, None) => Ok(None),
         (Some(_), Some(value)) => Err(value.invalid("nothing: the shape has `instances`")),
@@ -61,41 +57,37 @@ pub(super) fn read_instances(table: &Table<'_>) -> Result<Option<Vec<InstanceEnt
 
 fn read_instance(value: &Value<'_>) -> Result<InstanceEntry> {
     let table = value.table()?;
-    let displacement = table.get("displacement");
+    let displacement = table.get(&keys::CHANGES);
     let world_from_shape = transform(&table)?;
     table.finish()?;
-    let displacement = displacement.map(|v| v.located(read_changes)).transpose()?.map(Box::new);
+    let displacement = match displacement {
+        Some(value) => Some(Box::new(Located { value: read_changes(&value)?, at: value.at() })),
+        None => None,
+    };
     Ok(InstanceEntry { world_from_shape, displacement, at: value.at() })
 }
 
 fn read_changes(value: &Value<'_>) -> Result<Changes> {
     let table = value.table()?;
-    let (scale, zero) = (table.get("scale"), table.get("zero"));
-    let (tile, shift) = (table.get("tile"), table.get("shift"));
+    let changes = Changes {
+        scale: keys::CHANGED_SCALE.of(&table)?,
+        zero: keys::CHANGED_ZERO.of(&table)?,
+        tile: keys::CHANGED_TILE.of(&table)?,
+        shift: keys::CHANGED_SHIFT.of(&table)?,
+    };
     table.finish()?;
-    Ok(Changes {
-        scale: scale.map(|v| v.number()).transpose()?,
-        zero: zero.map(|v| v.number()).transpose()?,
-        tile: tile.map(|v| v.numbers(PAIR)).transpose()?,
-        shift: shift.map(|v| v.numbers(PAIR)).transpose()?,
-    })
+    Ok(changes)
 }
 
 /// Places strewn over a parallelogram, one in each cell of a grid, each turned about the normal.
 fn scatter(value: &Value<'_>) -> Result<Vec<InstanceEntry>> {
     let table = value.table()?;
-    let count = table.require("count")?.integer(1..=MOST)?;
-    let over = table.require("over")?;
-    let allowed = "a corner and two edges: [[x, y, z], [x, y, z], [x, y, z]]";
-    let [corner, u, v] = over.array::<3>(allowed)?;
-    let (corner, u, v) = (point(&corner)?, point(&u)?, point(&v)?);
-    let scale = table.get("scale").map_or(Ok([1.0; 2]), |v| {
-        let range = v.numbers::<2>("two numbers: smallest and largest")?;
-        let sound = range[0] > 0.0 && range[1] >= range[0];
-        if sound { Ok(range) } else { Err(v.invalid("two numbers above 0, the smaller first")) }
-    })?;
-    let turn = table.get("turn").map_or(Ok(360.0), |v| v.number())?;
-    let seed = table.get("seed").map_or(Ok(0), |v| v.integer(0..=i64::MAX as u64))?;
+    let count = keys::COUNT.of(&table)?;
+    let over = table.require(&keys::OVER)?;
+    let [corner, u, v] = keys::OVER.read(&over)?;
+    let scale = keys::SIZES.of(&table)?;
+    let turn = keys::TURN.of(&table)?;
+    let seed = keys::SEED.of(&table)?;
     table.finish()?;
     let Some(up) = u.cross(v).try_normalize() else {
         return Err(over.invalid("two edges that span an area"));

@@ -1,65 +1,38 @@
 //! `[[lights]]` and `[environment]`.
 
-use rilievo::glam::DVec3;
-use rilievo_render::light::{EnvironmentPlacement, Light, LightError, PointLight, SunLight, Up};
+use rilievo_render::light::{EnvironmentPlacement, Light, LightError, PointLight, SunLight};
 
-use super::super::syntax::{Located, Table, Value};
-use super::view::{colour, point};
+use super::super::keys::light::{self as keys, LightKind};
+use super::super::syntax::{Located, Table};
 use crate::error::Result;
-
-/// Full angle of a spot, degrees from its axis, if the file does not say.
-const OUTER: f64 = 45.0;
-
-/// The kinds of `[[lights]]`.
-#[derive(Clone, Copy)]
-enum Kind {
-    Point,
-    Spot,
-    Sun,
-}
 
 /// One of `[[lights]]`.
 pub(super) fn light(table: &Table<'_>) -> Result<Light> {
-    let kind = [("point", Kind::Point), ("spot", Kind::Spot), ("sun", Kind::Sun)];
-    let kind = table.require("type")?.choice(&kind)?;
-    let number = |value: Option<Value<'_>>, allowed: &str, range, default| {
-        value.map_or(Ok(default), |value: Value<'_>| value.number_in(range, allowed))
-    };
+    let kind = keys::TYPE.of(table)?;
     let refused = |e: LightError| table.invalid("light", e.to_string(), "");
-    let direction = |value: &Value<'_>| match point(value)? {
-        DVec3::ZERO => Err(value.invalid("a direction other than zero")),
-        direction => Ok(direction),
+    let point = || {
+        let light = PointLight::new(keys::POSITION.of(table)?, keys::INTENSITY.of(table)?);
+        light.map_err(refused)
     };
-    match kind {
-        Kind::Sun => {
-            let (along, irradiance) = (table.require("direction")?, table.require("irradiance")?);
-            let angle = table.get("angle");
-            table.finish()?;
-            let angle = number(angle, "a number of degrees from 0 to 180", 0.0..=180.0, 0.0)?;
-            let sun = SunLight::new(direction(&along)?, colour(&irradiance)?, angle);
-            Ok(Light::Sun(sun.map_err(refused)?))
+    let light = match kind {
+        LightKind::Sun => {
+            let (along, irradiance) = (keys::DIRECTION.of(table)?, keys::IRRADIANCE.of(table)?);
+            let sun = SunLight::new(along, irradiance, keys::ANGLE.of(table)?);
+            Light::Sun(sun.map_err(refused)?)
         }
-        Kind::Point => {
-            let (position, intensity) = (table.require("position")?, table.require("intensity")?);
-            table.finish()?;
-            let light = PointLight::new(point(&position)?, colour(&intensity)?);
-            Ok(Light::Point(light.map_err(refused)?))
+        LightKind::Point => Light::Point(point()?),
+        LightKind::Spot => {
+            let (point, axis) = (point()?, keys::DIRECTION.of(table)?);
+            let inner = keys::INNER_ANGLE.of(table)?;
+            let outer = keys::OUTER_ANGLE.of(table)?;
+            if let Some(value) = table.get(&keys::INNER_ANGLE).filter(|_| inner >= outer) {
+                return Err(value.invalid("a number of degrees from 0, below `outer_angle`"));
+            }
+            Light::Point(point.spot(axis, [inner, outer]).map_err(refused)?)
         }
-        Kind::Spot => {
-            let (position, intensity) = (table.require("position")?, table.require("intensity")?);
-            let axis = table.require("direction")?;
-            let (inner, outer) = (table.get("inner_angle"), table.get("outer_angle"));
-            table.finish()?;
-            let allowed = "a number of degrees above 0, up to 90";
-            let outer = number(outer, allowed, f64::MIN_POSITIVE..=90.0, OUTER)?;
-            let allowed = "a number of degrees from 0, below `outer_angle`";
-            let inner = number(inner, allowed, 0.0..=outer.next_down(), 0.0)?;
-            let axis = direction(&axis)?;
-            let light = PointLight::new(point(&position)?, colour(&intensity)?)
-                .and_then(|light| light.spot(axis, [inner, outer]));
-            Ok(Light::Point(light.map_err(refused)?))
-        }
-    }
+    };
+    table.finish()?;
+    Ok(light)
 }
 
 /// What `[environment]` says.
@@ -71,22 +44,13 @@ pub(in super::super) struct EnvironmentEntry {
 
 impl EnvironmentEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let file = table.require("file")?;
-        let (scale, rotate, up) = (table.get("scale"), table.get("rotate"), table.get("up"));
+        let file = keys::FILE.of(table)?;
+        let placement = EnvironmentPlacement {
+            scale: keys::SCALE.of(table)?,
+            rotate: keys::ROTATE.of(table)?,
+            up: keys::UP.of(table)?,
+        };
         table.finish()?;
-        let mut placement = EnvironmentPlacement::default();
-        if let Some(scale) = scale {
-            placement.scale = match scale.number() {
-                Ok(_) => DVec3::splat(scale.number_in(0.0.., "a number of at least 0, or three")?),
-                Err(_) => colour(&scale)?,
-            };
-        }
-        if let Some(rotate) = rotate {
-            placement.rotate = rotate.number()?;
-        }
-        if let Some(up) = up {
-            placement.up = up.choice(&[("z", Up::Z), ("y", Up::Y)])?;
-        }
-        Ok(Self { file: file.name()?, placement })
+        Ok(Self { file, placement })
     }
 }

@@ -2,15 +2,12 @@
 
 use rilievo::glam::{DVec2, DVec3};
 
+use super::super::keys::material as keys;
 use super::super::syntax::{Located, Table};
 use super::model::ModelEntry;
 use super::texture::{NormalEntry, TextureEntry};
-use super::view::colour;
 use crate::error::Result;
 use crate::texture_set::MapRole;
-
-/// Two numbers, in words.
-pub(super) const PAIR: &str = "two numbers: [along u, along v]";
 
 /// A diffuse reflectance.
 #[derive(Clone, Debug)]
@@ -37,34 +34,27 @@ pub(in super::super) struct MaterialEntry {
 
 impl MaterialEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let mut entry = Self::uniform(DVec3::splat(0.5));
+        let mut entry = Self::uniform(keys::DIFFUSE.missing.0);
         entry.model = ModelEntry::read(table)?;
         if let ModelEntry::Paper = entry.model {
-            let (diffuse, texture) = (table.get("diffuse"), table.get("texture"));
+            let (diffuse, texture) = (table.get(&keys::DIFFUSE), table.get(&keys::TEXTURE));
             entry.diffuse = match (&diffuse, &texture) {
                 (Some(_), Some(texture)) => {
                     return Err(texture.invalid("one of `diffuse` and `texture`, not both"));
                 }
-                (Some(value), None) => Diffuse::Uniform(colour(value)?),
                 (None, Some(value)) => {
                     Diffuse::Texture(TextureEntry::read(value, MapRole::Albedo)?)
                 }
-                (None, None) => entry.diffuse,
+                (_, None) => Diffuse::Uniform(keys::DIFFUSE.of(table)?),
             };
-            if let Some(value) = table.get("reflective") {
-                entry.reflective = colour(&value)?;
-            }
-            if let Some(value) = table.get("roughness") {
-                entry.roughness = value.number_in(0.0..=1.0, "a number from 0 to 1")?;
-            }
+            entry.reflective = keys::REFLECTIVE.of(table)?;
+            entry.roughness = keys::ROUGHNESS.of(table)?;
         }
-        if let Some(value) = table.get("emitted") {
-            entry.emitted = colour(&value)?;
-        }
-        if let Some(value) = table.get("emission") {
+        entry.emitted = keys::EMITTED.of(table)?;
+        if let Some(value) = table.get(&keys::EMISSION) {
             entry.emission = Some(TextureEntry::read(&value, MapRole::Emission)?);
         }
-        if let Some(value) = table.get("normals") {
+        if let Some(value) = table.get(&keys::NORMALS_TABLE) {
             entry.without_normals = matches!(value.boolean(), Ok(false));
             if !entry.without_normals {
                 entry.normals = Some(NormalEntry::read(&value)?);

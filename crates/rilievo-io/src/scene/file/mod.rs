@@ -8,10 +8,10 @@ mod light;
 mod map;
 mod material;
 mod model;
+mod render;
 mod shape;
 mod terrain;
 mod texture;
-mod view;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,6 +19,7 @@ use std::sync::Arc;
 use rilievo_render::light::Light;
 use toml::de::DeTable;
 
+use super::keys::scene as keys;
 use super::syntax::{Document, Located, Table};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
@@ -31,12 +32,12 @@ pub(super) use material::{Diffuse, MaterialEntry};
 pub(super) use model::{
     BASE_COLOUR, METALLIC, MetalEntry, ModelEntry, OPACITY, PrincipledEntry, ROUGHNESS,
 };
+pub(super) use render::RenderEntry;
 pub(super) use shape::{
     DisplacementEntry, MeshEntry, Normals, QuadEntry, Shape, ShapeEntry, SphereEntry,
 };
 pub(super) use terrain::GroundEntry;
 pub(super) use texture::{ColourEntry, NormalEntry, NumberEntry, TextureEntry};
-pub(super) use view::RenderEntry;
 
 /// A scene file, read and checked by itself.
 #[derive(Clone, Debug)]
@@ -78,16 +79,17 @@ impl SceneFile {
         let doc = Document { path, text };
         let parsed = DeTable::parse(text).map_err(|e| doc.syntax_error(&e))?;
         let root = Table::root(doc, &parsed);
-        let (camera, render) = (root.require("camera")?, root.get("render"));
-        let (maps, materials) = (root.get("maps"), root.get("materials"));
-        let (shapes, lights) = (root.get("shapes"), root.get("lights"));
-        let environment = root.get("environment");
+        let (camera, render) = (root.require(&keys::CAMERA)?, root.get(&keys::RENDER));
+        let (maps, materials) = (root.get(&keys::MAPS), root.get(&keys::MATERIALS));
+        let (shapes, lights) = (root.get(&keys::SHAPES), root.get(&keys::LIGHTS));
+        let environment = root.get(&keys::ENVIRONMENT);
         root.finish()?;
 
         let camera = CameraEntry::read(&camera.table()?)?;
+        let nothing = DeTable::new();
         let render = match render {
             Some(value) => RenderEntry::read(&value.table()?)?,
-            None => RenderEntry::default(),
+            None => RenderEntry::read(&root.without(&keys::RENDER, &nothing))?,
         };
         let mut file = Self {
             path: path.to_owned(),

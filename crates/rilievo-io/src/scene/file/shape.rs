@@ -6,12 +6,13 @@ use rilievo::glam::{DAffine3, DMat3, DVec3, EulerRot};
 use rilievo::map::NormalConvention;
 use rilievo::relief::{Displacement, Edges, Method};
 
+use super::super::keys::material::CONVENTION;
+use super::super::keys::place;
+use super::super::keys::render::METHOD_OF_SHAPE;
+use super::super::keys::shape::{self as keys, NormalsKind, ShapeKind};
 use super::super::syntax::{Located, Table, Value};
 use super::instances::{InstanceEntry, read_instances};
-use super::material::PAIR;
 use super::terrain::{GroundEntry, read_terrain};
-use super::texture::CONVENTIONS;
-use super::view::{POINT, method, point};
 use crate::error::Result;
 use crate::mesh::Projection;
 
@@ -118,30 +119,15 @@ impl Shape {
     }
 }
 
-/// The types of shapes.
-#[derive(Clone, Copy)]
-enum Kind {
-    Quad,
-    Sphere,
-    Mesh,
-    Terrain,
-}
-
 impl ShapeEntry {
     pub fn read(table: &Table<'_>) -> Result<Self> {
-        let kinds = [
-            ("quad", Kind::Quad),
-            ("sphere", Kind::Sphere),
-            ("mesh", Kind::Mesh),
-            ("terrain", Kind::Terrain),
-        ];
-        let kind = table.require("type")?.choice(&kinds)?;
-        let material = table.get("material").map(|v| v.name()).transpose()?;
+        let kind = keys::TYPE.of(table)?;
+        let material = keys::MATERIAL.of(table)?;
         let shape = match kind {
-            Kind::Quad => Shape::Quad(read_quad(table)?),
-            Kind::Sphere => Shape::Sphere(read_sphere(table)?),
-            Kind::Mesh => Shape::Mesh(read_mesh(table)?),
-            Kind::Terrain => Shape::Quad(read_terrain(table)?),
+            ShapeKind::Quad => Shape::Quad(read_quad(table)?),
+            ShapeKind::Sphere => Shape::Sphere(read_sphere(table)?),
+            ShapeKind::Mesh => Shape::Mesh(read_mesh(table)?),
+            ShapeKind::Terrain => Shape::Quad(read_terrain(table)?),
         };
         let instances = read_instances(table)?;
         table.finish()?;
@@ -149,81 +135,62 @@ impl ShapeEntry {
     }
 }
 
-fn read_quad(table: &Table<'_>) -> Result<QuadEntry> {
-    let corners = table.require("corners")?.located(|value| {
-        let mut corners = [DVec3::ZERO; 4];
-        let allowed = "four corners: [[x, y, z], [x, y, z], [x, y, z], [x, y, z]]";
-        for (slot, corner) in corners.iter_mut().zip(value.array::<4>(allowed)?) {
-            *slot = point(&corner)?;
+/// The displacement of a shape; refuses what is `of_relief` alone where there is none.
+fn read_displacement(
+    table: &Table<'_>,
+    (shape, of_relief): (&str, &[Option<Value<'_>>]),
+) -> Result<Option<DisplacementEntry>> {
+    match (table.get(&keys::DISPLACEMENT_TABLE), of_relief.iter().flatten().next()) {
+        (None, Some(value)) => {
+            let nothing = format!("nothing: only a {shape} with `displacement` has this key");
+            Err(value.invalid(nothing))
         }
-        Ok(corners)
-    })?;
-    let one_sided = table.get("one_sided").map_or(Ok(false), |v| v.boolean())?;
-    let displacement = table.get("displacement");
-    let (closed, walked) = (table.get("closed"), table.get("method"));
-    if displacement.is_none()
-        && let Some(value) = closed.as_ref().or(walked.as_ref())
-    {
-        return Err(value.invalid("nothing: only a quad with `displacement` has this key"));
+        (displacement, _) => displacement.map(|v| DisplacementEntry::read(&v)).transpose(),
     }
+}
+
+fn read_quad(table: &Table<'_>) -> Result<QuadEntry> {
+    let corners = keys::CORNERS.located(table)?;
+    let of_relief = [table.get(&keys::CLOSED), table.get(&METHOD_OF_SHAPE)];
     Ok(QuadEntry {
         corners,
-        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
-        method: walked.map(|v| method(&v)).transpose()?,
-        closed: closed.map_or(Ok(false), |v| v.boolean())?,
-        one_sided,
+        one_sided: keys::ONE_SIDED.of(table)?,
+        displacement: read_displacement(table, ("quad", &of_relief))?,
+        closed: keys::CLOSED.of(table)?,
+        method: METHOD_OF_SHAPE.of(table)?,
         ground: None,
     })
 }
 
 fn read_sphere(table: &Table<'_>) -> Result<SphereEntry> {
-    let center = point(&table.require("center")?)?;
-    let radius = table.require("radius")?;
-    let radius = radius.located(|v| v.number_in(f64::MIN_POSITIVE.., "a number above 0"))?;
-    let (displacement, walked) = (table.get("displacement"), table.get("method"));
-    if let (None, Some(value)) = (&displacement, &walked) {
-        return Err(value.invalid("nothing: only a sphere with `displacement` has this key"));
-    }
+    let (center, radius) = (keys::CENTER.of(table)?, keys::RADIUS.located(table)?);
+    let of_relief = [table.get(&METHOD_OF_SHAPE)];
     Ok(SphereEntry {
         center,
         radius,
-        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
-        method: walked.map(|v| method(&v)).transpose()?,
+        displacement: read_displacement(table, ("sphere", &of_relief))?,
+        method: METHOD_OF_SHAPE.of(table)?,
     })
 }
 
 fn read_mesh(table: &Table<'_>) -> Result<MeshEntry> {
-    let file = table.require("file")?.name()?;
-    let (edges, matched) = table.get("edges").map_or(Ok((Edges::Shared, false)), |v| {
-        v.choice(&[
-            ("shared", (Edges::Shared, false)),
-            ("matched", (Edges::Shared, true)),
-            ("as-authored", (Edges::AsAuthored, false)),
-        ])
-    })?;
-    let transform = table.get("transform");
-    let world_from_object = transform.map(|v| v.located(read_transform)).transpose()?;
-    let displacement = table.get("displacement");
-    let [closed, one_sided] = ["closed", "one_sided"].map(|key| table.get(key));
-    let walked = table.get("method");
-    if displacement.is_none()
-        && let Some(value) = closed.as_ref().or(one_sided.as_ref()).or(walked.as_ref())
-    {
-        return Err(value.invalid("nothing: only a mesh with `displacement` has this key"));
-    }
-    let flag = |value: Option<Value<'_>>| value.map_or(Ok(false), |v| v.boolean());
-    let projection = table.get("projection").map(|v| v.choice(&Projection::ALL)).transpose()?;
+    let file = keys::FILE.of(table)?;
+    let (edges, matched) = keys::EDGES.of(table)?;
+    let transform = table.get(&keys::TRANSFORM_TABLE);
+    let transform = transform.map(|value| Ok((read_transform(&value)?, value.at()))).transpose()?;
+    let of_relief =
+        [table.get(&keys::CLOSED), table.get(&keys::MESH_ONE_SIDED), table.get(&METHOD_OF_SHAPE)];
     Ok(MeshEntry {
         file,
-        projection,
-        smooth: flag(table.get("smooth"))?,
-        world_from_object,
-        displacement: displacement.map(|v| DisplacementEntry::read(&v)).transpose()?,
+        projection: keys::PROJECTION.of(table)?,
+        smooth: keys::SMOOTH.of(table)?,
+        world_from_object: transform.map(|(value, at)| Located { value, at }),
+        displacement: read_displacement(table, ("mesh", &of_relief))?,
         edges,
         matched,
-        method: walked.map(|v| method(&v)).transpose()?,
-        closed: flag(closed)?,
-        one_sided: flag(one_sided)?,
+        method: METHOD_OF_SHAPE.of(table)?,
+        closed: keys::CLOSED.of(table)?,
+        one_sided: keys::MESH_ONE_SIDED.of(table)?,
     })
 }
 
@@ -237,14 +204,9 @@ fn read_transform(value: &Value<'_>) -> Result<DAffine3> {
 
 /// The keys of a transform among those of a table.
 pub(super) fn transform(table: &Table<'_>) -> Result<DAffine3> {
-    let (translate, rotate) = (table.get("translate"), table.get("rotate"));
-    let scale = table.get("scale");
-    let translate = translate.map_or(Ok(DVec3::ZERO), |v| point(&v))?;
-    let [x, y, z] = rotate.map_or(Ok([0.0; 3]), |v| v.numbers(POINT))?.map(f64::to_radians);
-    let scale = scale.map_or(Ok(1.0), |v| match v.number()? {
-        0.0 => Err(v.invalid("a number other than 0")),
-        scale => Ok(scale),
-    })?;
+    let translate = DVec3::from_array(place::TRANSLATE.of(table)?);
+    let [x, y, z] = place::ROTATE.of(table)?.map(f64::to_radians);
+    let scale = place::SCALE.of(table)?;
     // Glam names rotations from the last one applied.
     let turn = DMat3::from_euler(EulerRot::ZYX, z, y, x);
     Ok(DAffine3::from_mat3_translation(turn * scale, translate))
@@ -253,69 +215,42 @@ pub(super) fn transform(table: &Table<'_>) -> Result<DAffine3> {
 impl DisplacementEntry {
     fn read(value: &Value<'_>) -> Result<Self> {
         let table = value.table()?;
-        let map = table.require("map")?.name()?;
-        let mut displacement = Displacement::default();
-        let (scale, zero) = (table.get("scale"), table.get("zero"));
-        let (scale_written, zero_written) = (scale.is_some(), zero.is_some());
-        if let Some(value) = scale {
-            displacement.scale = match value.number()? {
-                0.0 => return Err(value.invalid("a number other than 0")),
-                scale => scale,
-            };
-        }
-        if let Some(value) = zero {
-            displacement.zero = value.number()?;
-        }
-        if let Some(value) = table.get("tile") {
-            let allowed = "two numbers above 0: [along u, along v]";
-            for (slot, value) in displacement.tile.iter_mut().zip(value.array::<2>(allowed)?) {
-                *slot = value.number_in(f64::MIN_POSITIVE.., "a number above 0")?;
-            }
-        }
-        if let Some(value) = table.get("shift") {
-            displacement.shift = value.numbers(PAIR)?;
-        }
-        let normals = table.get("normals").map_or(Ok(Normals::Smooth), |v| Normals::read(&v))?;
+        let map = keys::MAP.of(&table)?;
+        let (scale, zero) = (keys::SCALE.of(&table)?, keys::ZERO.of(&table)?);
+        let flat = Displacement::default();
+        let displacement = Displacement {
+            scale: scale.unwrap_or(flat.scale),
+            zero: zero.unwrap_or(flat.zero),
+            tile: keys::TILE.of(&table)?,
+            shift: keys::SHIFT.of(&table)?,
+        };
+        let normals = Normals::read(&table)?;
         table.finish()?;
-        let at = value.at();
-        Ok(Self { map, displacement, scale_written, zero_written, normals, at })
+        let (scale_written, zero_written) = (scale.is_some(), zero.is_some());
+        Ok(Self { map, displacement, scale_written, zero_written, normals, at: value.at() })
     }
 }
 
 impl Normals {
-    fn read(value: &Value<'_>) -> Result<Self> {
-        /// The kinds that need no file.
-        #[derive(Clone, Copy)]
-        enum Kind {
-            Exact,
-            Smooth,
-            Published,
-            WrongMetric,
-        }
-
-        if value.is_table() {
+    fn read(table: &Table<'_>) -> Result<Self> {
+        if let Some(value) = table.get(&keys::NORMALS_KIND)
+            && value.is_table()
+        {
             let table = value.table()?;
-            let file = table.require("file")?.name()?;
+            let file = keys::NORMALS_FILE.of(&table)?;
             // Of a texture set it is measured.
-            let convention = match file.value.ends_with('/') {
-                true => table.get("convention"),
-                false => Some(table.require("convention")?),
+            let convention = match table.get(&CONVENTION) {
+                None if file.value.ends_with('/') => None,
+                _ => Some(CONVENTION.of(&table)?),
             };
-            let convention = convention.map(|v| v.choice(&CONVENTIONS)).transpose()?;
             table.finish()?;
             return Ok(Self::File { file, convention });
         }
-        let kind = value.choice(&[
-            ("smooth", Kind::Smooth),
-            ("exact", Kind::Exact),
-            ("published", Kind::Published),
-            ("wrong-metric", Kind::WrongMetric),
-        ])?;
-        Ok(match kind {
-            Kind::Exact => Self::Exact,
-            Kind::Smooth => Self::Smooth,
-            Kind::Published => Self::Published,
-            Kind::WrongMetric => Self::WrongMetric,
+        Ok(match keys::NORMALS_KIND.of(table)? {
+            NormalsKind::Exact => Self::Exact,
+            NormalsKind::Smooth => Self::Smooth,
+            NormalsKind::Published => Self::Published,
+            NormalsKind::WrongMetric => Self::WrongMetric,
         })
     }
 }

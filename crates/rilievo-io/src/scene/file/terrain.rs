@@ -5,10 +5,10 @@ use std::ops::Range;
 use rilievo::glam::DVec3;
 use rilievo::relief::Displacement;
 
+use super::super::keys::render::METHOD_OF_SHAPE;
+use super::super::keys::shape as keys;
 use super::super::syntax::{Located, Table};
-use super::material::PAIR;
 use super::shape::{DisplacementEntry, Normals, QuadEntry};
-use super::view::{method, point};
 use crate::error::Result;
 
 /// How a map lies on the ground.
@@ -28,27 +28,13 @@ pub(in super::super) struct GroundEntry {
 
 /// Reads a terrain as a quad whose corners are not known yet.
 pub(super) fn read_terrain(table: &Table<'_>) -> Result<QuadEntry> {
-    let map = table.require("map")?.name()?;
-    let positive = |key| match table.get(key) {
-        Some(value) => value.number_in(f64::MIN_POSITIVE.., "a number above 0"),
-        None => Ok(1.0),
-    };
-    let cell = match table.get("cell") {
-        Some(value) => {
-            let mut cell = [0.0; 2];
-            for (slot, value) in cell.iter_mut().zip(value.array::<2>(PAIR)?) {
-                *slot = value.number_in(f64::MIN_POSITIVE.., "a number of metres above 0")?;
-            }
-            Some(cell)
-        }
-        None => None,
-    };
+    let map = keys::TERRAIN_MAP.of(table)?;
     let ground = GroundEntry {
-        center: table.get("center").map_or(Ok(DVec3::ZERO), |v| point(&v))?,
-        unit: positive("unit")?,
-        exaggeration: positive("exaggeration")?,
-        cell,
-        zero: table.get("zero").map(|v| v.number()).transpose()?,
+        center: keys::TERRAIN_CENTER.of(table)?,
+        unit: keys::UNIT.of(table)?,
+        exaggeration: keys::EXAGGERATION.of(table)?,
+        cell: keys::CELL.of(table)?,
+        zero: keys::TERRAIN_ZERO.of(table)?,
         at: table.at(),
     };
     let displacement = DisplacementEntry {
@@ -62,8 +48,8 @@ pub(super) fn read_terrain(table: &Table<'_>) -> Result<QuadEntry> {
     Ok(QuadEntry {
         corners: Located { value: [DVec3::ZERO; 4], at: table.at() },
         displacement: Some(displacement),
-        method: table.get("method").map(|v| method(&v)).transpose()?,
-        closed: table.get("closed").map_or(Ok(false), |v| v.boolean())?,
+        method: METHOD_OF_SHAPE.of(table)?,
+        closed: keys::TERRAIN_CLOSED.of(table)?,
         one_sided: false,
         ground: Some(Box::new(ground)),
     })

@@ -4,22 +4,12 @@ use rilievo::glam::{DVec2, DVec3};
 use rilievo::map::{NormalConvention, Wrap};
 use rilievo_render::texture::Channel;
 
+use super::super::keys::kind::{Colour, Input, Number, Read};
+use super::super::keys::material as keys;
+use super::super::keys::model::InputKey;
 use super::super::syntax::{Located, Table, Value};
-use super::material::PAIR;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::texture_set::MapRole;
-
-/// Wraps by name.
-pub(super) const WRAPS: [(&str, Wrap); 3] =
-    [("repeat", Wrap::Repeat), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
-
-/// Directions of green by name.
-pub(super) const CONVENTIONS: [(&str, NormalConvention); 2] =
-    [("opengl", NormalConvention::OpenGl), ("directx", NormalConvention::DirectX)];
-
-const SHARE: &str = "a number from 0 to 1, an image, or a table with `file`";
-const SHARES: &str =
-    "three numbers from 0 to 1: [red, green, blue], an image, or a table with `file`";
 
 /// An image laid over uv.
 #[derive(Clone, Debug)]
@@ -54,26 +44,14 @@ impl TextureEntry {
 
     /// The keys of an image in a table, which may have more.
     fn of_table(table: &Table<'_>, role: MapRole) -> Result<Self> {
-        let mut entry = Self::plain(table.require("file")?.name()?, role);
-        if let Some(value) = table.get("tile") {
-            entry.tile = DVec2::from_array(value.numbers(PAIR)?);
-        }
-        if let Some(value) = table.get("rotate") {
-            entry.rotate = value.number()?;
-        }
-        if let Some(value) = table.get("shift") {
-            entry.shift = DVec2::from_array(value.numbers(PAIR)?);
-        }
-        if let Some(value) = table.get("wrap") {
-            entry.wrap = match value.text() {
-                Ok(_) => [value.choice(&WRAPS)?; 2],
-                Err(_) => {
-                    let [u, v] = value.array("one wrap, or two: [along u, along v]")?;
-                    [u.choice(&WRAPS)?, v.choice(&WRAPS)?]
-                }
-            };
-        }
-        Ok(entry)
+        Ok(Self {
+            file: keys::FILE.of(table)?,
+            tile: DVec2::from_array(keys::TILE.of(table)?),
+            rotate: keys::ROTATE.of(table)?,
+            shift: DVec2::from_array(keys::SHIFT.of(table)?),
+            wrap: keys::WRAP.of(table)?,
+            role,
+        })
     }
 }
 
@@ -91,25 +69,22 @@ impl ColourEntry {
         Self { value, texture: None, written: false }
     }
 
-    /// The input `key` of a table; `default` where it is not there.
-    pub fn of(
-        table: &Table<'_>,
-        key: &'static str,
-        (default, role): (f64, MapRole),
-    ) -> Result<Self> {
-        let Some(value) = table.get(key) else { return Ok(Self::uniform(DVec3::splat(default))) };
+    /// An input of a table, or its default.
+    pub fn of(table: &Table<'_>, key: &InputKey) -> Result<Self> {
+        let Input(role) = key.kind;
+        let Some(value) = table.get(key) else {
+            return Ok(Self::uniform(DVec3::splat(key.missing.0)));
+        };
         let mut entry = Self { value: DVec3::ONE, texture: None, written: true };
         if value.is_table() {
             let table = value.table()?;
             entry.texture = Some(TextureEntry::of_table(&table, role)?);
-            if let Some(factor) = table.get("factor") {
-                entry.value = shares(&factor)?;
-            }
+            entry.value = keys::TINT.of(&table)?;
             table.finish()?;
         } else if value.text().is_ok() {
             entry.texture = Some(TextureEntry::read(&value, role)?);
         } else {
-            entry.value = shares(&value)?;
+            entry.value = or_image(&value, Colour::Share)?;
         }
         Ok(entry)
     }
@@ -135,31 +110,22 @@ impl NumberEntry {
         Self { value: 1.0, texture: Some((texture, channel)), invert: false, written: true }
     }
 
-    /// The input `key` of a table; `default` where it is not there.
-    pub fn of(
-        table: &Table<'_>,
-        key: &'static str,
-        (default, role): (f64, MapRole),
-    ) -> Result<Self> {
-        let Some(value) = table.get(key) else { return Ok(Self::uniform(default)) };
+    /// An input of a table, or its default.
+    pub fn of(table: &Table<'_>, key: &InputKey) -> Result<Self> {
+        let Input(role) = key.kind;
+        let Some(value) = table.get(key) else { return Ok(Self::uniform(key.missing.0)) };
         if !value.is_table() {
             if value.text().is_ok() {
                 return Ok(Self::textured(TextureEntry::read(&value, role)?, Channel::Red));
             }
-            let number = value.number_in(0.0..=1.0, SHARE)?;
+            let number = or_image(&value, Number::Within(0.0, 1.0))?;
             return Ok(Self { written: true, ..Self::uniform(number) });
         }
         let table = value.table()?;
         let texture = TextureEntry::of_table(&table, role)?;
-        let channels = [("red", Channel::Red), ("green", Channel::Green), ("blue", Channel::Blue)];
-        let channel = table.get("channel").map_or(Ok(Channel::Red), |v| v.choice(&channels))?;
-        let mut entry = Self::textured(texture, channel);
-        if let Some(factor) = table.get("factor") {
-            entry.value = factor.number_in(0.0..=1.0, "a number from 0 to 1")?;
-        }
-        if let Some(invert) = table.get("invert") {
-            entry.invert = invert.boolean()?;
-        }
+        let mut entry = Self::textured(texture, keys::CHANNEL.of(&table)?);
+        entry.value = keys::FACTOR.of(&table)?;
+        entry.invert = keys::INVERT.of(&table)?;
         table.finish()?;
         Ok(entry)
     }
@@ -179,25 +145,24 @@ impl NormalEntry {
         let table = value.table()?;
         let texture = TextureEntry::of_table(&table, MapRole::Normal)?;
         let set = texture.file.value.ends_with('/');
-        let convention = match table.get("convention") {
+        // A set knows it.
+        let convention = match table.get(&keys::CONVENTION) {
             None if set => None,
-            Some(value) => Some(value.choice(&CONVENTIONS)?),
-            None => Some(table.require("convention")?.choice(&CONVENTIONS)?),
+            _ => Some(keys::CONVENTION.of(&table)?),
         };
-        let strength = match table.get("strength") {
-            Some(value) => value.number_in(0.0..=10.0, "a number from 0 to 10")?,
-            None => 1.0,
-        };
+        let strength = keys::STRENGTH.of(&table)?;
         table.finish()?;
         Ok(Self { texture, convention, strength })
     }
 }
 
-/// A colour of shares.
-fn shares(value: &Value<'_>) -> Result<DVec3> {
-    let mut rgb = [0.0; 3];
-    for (slot, channel) in rgb.iter_mut().zip(value.array::<3>(SHARES)?) {
-        *slot = channel.number_in(0.0..=1.0, "a number from 0 to 1")?;
-    }
-    Ok(DVec3::from_array(rgb))
+/// A value where an image might stand too.
+fn or_image<K: Read>(value: &Value<'_>, kind: K) -> Result<K::Value> {
+    kind.read(value).map_err(|error| match error {
+        Error::Invalid(mut fault) => {
+            fault.allowed += ", an image, or a table with `file`";
+            Error::Invalid(fault)
+        }
+        error => error,
+    })
 }
