@@ -11,7 +11,7 @@ use crate::colour::Rgb;
 use crate::film::sums::PixelSums;
 use crate::film::{Aov, PixelMut};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
 
 /// Camera rays of a pixel that are traced as one packet.
 const PACKET: usize = 16;
@@ -102,7 +102,6 @@ impl<'a> PixelTracer<'a> {
     /// after, but not of `end` and beyond.
     fn shoot(&mut self, pixel: [u32; 2], [first, end]: [u64; 2], steps: bool) {
         let (count, settings) = (self.samples(), self.scene.settings());
-        let camera = self.scene.camera();
         self.packet.rays.clear();
         self.packet.weights.clear();
         self.packet.numbers.clear();
@@ -111,10 +110,10 @@ impl<'a> PixelTracer<'a> {
                 PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
             let u = match (self.pixel_centers, &self.paths) {
                 (true, _) => None,
-                (false, Some(_)) => Some(CameraNumbers::of(camera, |_| numbers.two())),
+                (false, Some(_)) => Some(CameraNumbers::of(self.scene, |_| numbers.two())),
                 (false, None) => {
                     let (table, strand) = (&mut self.table, Strand { index, count });
-                    Some(CameraNumbers::of(camera, |what| table.point(what, strand)))
+                    Some(CameraNumbers::of(self.scene, |what| table.point(what, strand)))
                 }
             };
             let (ray, weight) = self.camera_ray(pixel, index, u);
@@ -170,11 +169,12 @@ struct CameraNumbers {
 }
 
 impl CameraNumbers {
-    /// As many numbers as a camera asks for: a pinhole at rest needs those of the filter only.
-    fn of(camera: &Camera, mut draw: impl FnMut(Dimension) -> DVec2) -> Self {
+    /// As many numbers as a scene asks for: a pinhole where nothing moves needs those of the filter
+    /// only.
+    fn of(scene: &Scene, mut draw: impl FnMut(Dimension) -> DVec2) -> Self {
         let filter = draw(Dimension::Pixel);
-        let lens = if camera.has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
-        let time = if camera.moves() { draw(Dimension::Time).x } else { 0.0 };
+        let lens = if scene.camera().has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
+        let time = if scene.moves() { draw(Dimension::Time).x } else { 0.0 };
         Self { filter, lens, time }
     }
 }

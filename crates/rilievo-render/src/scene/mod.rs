@@ -179,6 +179,11 @@ impl Scene {
     /// # Panics
     /// If the world has no such surface.
     pub fn material(&self, surface: u32) -> &Material {
+    /// Whether pictures depend on when they are taken: the camera moves, or a surface.
+    pub fn moves(&self) -> bool {
+        self.camera().moves() || self.world().moves()
+    }
+
         &self.parts.materials[self.parts.material_of[surface as usize] as usize]
     }
 

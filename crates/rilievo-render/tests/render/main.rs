@@ -5,6 +5,7 @@ mod closed_forms;
 mod determinism;
 mod interreflection;
 mod layers;
+mod motion;
 mod parts;
 mod paths;
 mod recorded;

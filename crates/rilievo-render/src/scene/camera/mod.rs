@@ -2,7 +2,7 @@
 //!
 //! A camera is a pinhole unless it is given a [`Lens`], another [`Projection`] or a second pose to
 //! move to. Rays of a pinhole at rest are those they were before any of these came: the same
-//! arithmetic, bit for bit.
+//! arithmetic, bit for bit. Its shutter says at which times rays are traced: surfaces may move, too.
 
 mod lens;
 mod pose;
@@ -171,15 +171,24 @@ impl Camera {
         if !end.is_finite() {
             return Err(CameraError::NotFinite);
         }
-        let [open, close] = shutter;
-        if !(0.0 <= open && open <= close && close <= 1.0) {
-            return Err(CameraError::Shutter { found: shutter });
-        }
-        let moved = Self { end: Some(end), shutter, ..self };
+        let moved = Self { end: Some(end), ..self.with_shutter(shutter)? };
         for step in 0..=64 {
             moved.frame_at(f64::from(step) / 64.0).ok_or(CameraError::Motion)?;
         }
         Ok(moved)
+    }
+
+    /// The same camera with its shutter open from `shutter[0]` to `shutter[1]`, within the time from 0
+    /// to 1 in which it and surfaces move.
+    ///
+    /// # Errors
+    /// [`CameraError::Shutter`].
+    pub fn with_shutter(self, shutter: [f64; 2]) -> Result<Self, CameraError> {
+        let [open, close] = shutter;
+        if !(0.0 <= open && open <= close && close <= 1.0) {
+            return Err(CameraError::Shutter { found: shutter });
+        }
+        Ok(Self { shutter, ..self })
     }
 
     /// What the camera was made of, at time 0.
@@ -221,7 +230,7 @@ impl Camera {
         self.lens.is_some()
     }
 
-    /// Whether its rays depend on the time.
+    /// Whether its rays start and go elsewhere at other times.
     pub fn moves(&self) -> bool {
         self.end.is_some()
     }
@@ -238,16 +247,22 @@ impl Camera {
     }
 
     /// The same through the point of the lens and at the time between opening and closing that
-    /// numbers in `[0, 1)` stand for, uniformly. A pinhole and a camera at rest ignore them.
+    /// numbers in `[0, 1)` stand for, uniformly. A pinhole ignores the one; of a camera at rest the other
+    /// is the time of the ray and nothing else.
     #[inline]
     pub fn sample(&self, x: f64, y: f64, lens: DVec2, time: f64) -> Ray {
+        let [open, close] = self.shutter;
+        let time = open + time * (close - open);
         let frame = match self.end {
             None => self.frame,
-            Some(_) => {
-                let [open, close] = self.shutter;
-                self.frame_at(open + time * (close - open)).unwrap_or(self.frame)
-            }
+            Some(_) => self.frame_at(time).unwrap_or(self.frame),
         };
+        Ray { time, ..self.through(&frame, x, y, lens) }
+    }
+
+    /// The ray of a frame through a point of the image and one of the lens.
+    #[inline]
+    fn through(&self, frame: &Frame, x: f64, y: f64, lens: DVec2) -> Ray {
         let [width, height] = self.parts.resolution.map(f64::from);
         let (x, y) = (x - 0.5 * width, y - 0.5 * height);
         let ray = match self.projection {

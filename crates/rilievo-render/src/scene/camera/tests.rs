@@ -107,7 +107,7 @@ fn a_camera_at_rest_does_not_ask_for_lens_and_time() {
     let camera = Camera::new(parts()).unwrap();
     for u in independent_points(100) {
         let (x, y) = (400.0 * u.x, 200.0 * u.y);
-        assert_eq!(camera.sample(x, y, u, u.x), camera.ray(x, y));
+        assert_eq!(camera.sample(x, y, u, u.x), Ray { time: u.x, ..camera.ray(x, y) });
     }
 }
 
@@ -172,8 +172,11 @@ fn lenses_heights_and_ways_that_cannot_be_are_refused() {
     }
     let pose = Pose { position: DVec3::ZERO, look_at: DVec3::Y, up: DVec3::Z };
     assert!(camera.with_motion(pose, [0.0, 1.0]).is_ok());
+    let open = camera.with_shutter([0.25, 0.75]).unwrap();
+    assert_eq!([0.0, 0.5].map(|u| open.sample(0.0, 0.0, DVec2::ZERO, u).time), [0.25, 0.5]);
     for shutter in [[0.6, 0.5], [-0.1, 1.0], [0.0, 1.1], [f64::NAN, 1.0]] {
         assert!(matches!(camera.with_motion(pose, shutter), Err(CameraError::Shutter { .. })));
+        assert!(camera.with_shutter(shutter).is_err());
     }
     // Half way it would look at where it is.
     let past = Pose { position: parts().look_at, look_at: parts().position, up: DVec3::Z };
