@@ -123,6 +123,39 @@ fn an_f_stop_is_that_of_a_small_camera() {
 }
 
 #[test]
+fn shapes_move_as_they_are_told() {
+    let loaded = load(&root().join("tests/scenes/valid/moving.toml")).unwrap();
+    let scene = &loaded.scene;
+    assert!(scene.moves() && !scene.camera().moves());
+    let half = scene.camera().sample(1.0, 1.0, DVec2::ZERO, 0.5);
+    assert_eq!((scene.camera().ray(1.0, 1.0).time, half.time), (0.25, 0.5));
+    let surfaces = scene.world().surfaces();
+    assert_eq!(surfaces.len(), 1 + 3 + 3);
+    let moving = |index: usize| match &surfaces[index] {
+        Surface::Moving(moving) => moving,
+        other => panic!("{other:?}"),
+    };
+    let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12, "{a} {b}");
+    let at = |index, time, p| moving(index).world_from_local(time).transform_point3(p);
+    // Two turns about the middle of the quad, while it falls by its own width.
+    near(at(0, 0.0, DVec3::X), DVec3::X);
+    near(at(0, 0.25, DVec3::new(0.3, 0.5, 0.0)), DVec3::new(0.3, 0.5, -0.25));
+    near(at(0, 0.25, DVec3::ZERO), DVec3::new(0.0, 1.0, -0.25));
+    // Scattered: all share the prototype, and turn where they are.
+    for index in 1..4 {
+        let place = moving(index).world_from_local(0.0);
+        let turned = place.inverse() * moving(index).world_from_local(1.0);
+        near(turned.transform_point3(DVec3::ZERO), DVec3::ZERO);
+        near(turned.transform_point3(DVec3::new(1.0, 1.0, 0.0)), DVec3::new(1.0, 1.0, 0.0));
+        assert!(Arc::ptr_eq(moving(index).prototype(), moving(1).prototype()));
+    }
+    assert!(matches!(surfaces[4], Surface::Instance(_)));
+    // In its own place by default, else about the pivot.
+    near(at(5, 1.0, DVec3::new(0.5, 0.0, 0.0)), DVec3::new(1.0, 0.0, 3.0));
+    near(at(6, 1.0, DVec3::ZERO), DVec3::new(1.0, 2.0, 5.0));
+}
+
+#[test]
 fn every_key_arrives() {
     let loaded = load(&root().join("tests/scenes/valid/everything.toml")).unwrap();
     let scene = &loaded.scene;

@@ -1,14 +1,16 @@
-//! The places of shapes that stand elsewhere, or in many places.
+//! The places of shapes that stand elsewhere, or in many places, and of those that move.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use rilievo::relief::Displacement;
-use rilievo::surface::{Instance, Surface};
+use rilievo::glam::DAffine3;
+use rilievo::surface::{Instance, InstanceError, Motion, MovingInstance, Surface};
 
 use super::file::InstanceEntry;
 use super::resolve::Loader;
+use super::syntax::Located;
 use crate::error::Result;
 
 /// A shape's surfaces under one displacement.
@@ -16,11 +18,12 @@ type Prototypes = Vec<(Arc<Surface>, u32)>;
 
 impl Loader<'_> {
     /// The surfaces of a shape, with their materials, in all its places. Places with the same
-    /// displacement share everything.
+    /// displacement share everything. The shape's own motion happens in each of them.
     pub(super) fn stand(
         &self,
         surfaces: Vec<(Surface, u32)>,
         entries: &[InstanceEntry],
+        motion: Option<&Located<Motion>>,
     ) -> Result<Vec<(Surface, u32)>> {
         let own: Prototypes = surfaces.into_iter().map(|(s, m)| (Arc::new(s), m)).collect();
         let mut changed: HashMap<[u64; 6], Prototypes> = HashMap::new();
@@ -39,16 +42,51 @@ impl Loader<'_> {
                     }
                 }
             };
+            let place = entry.world_from_shape;
+            let own = motion.map(|m| Located { value: m.value.placed(&place), at: m.at.clone() });
+            let motion = entry.motion.as_deref().or(own.as_ref());
             for (prototype, material) in prototypes {
-                let instance = Instance::new(Arc::clone(prototype), entry.world_from_shape);
-                let instance = instance.map_err(|e| {
-                    let allowed = "a scale that is not 0, numbers up to 1e100".to_owned();
-                    self.file.invalid(&entry.at, "instance", e.to_string(), allowed)
-                })?;
-                all.push((instance.into(), *material));
+                let prototype = Arc::clone(prototype);
+                let surface = match motion {
+                    Some(motion) => self.moving(prototype, place, motion)?,
+                    None => {
+                        let refuse = |e: InstanceError| {
+                            let allowed = "a scale that is not 0, numbers up to 1e100".to_owned();
+                            self.file.invalid(&entry.at, "instance", e.to_string(), allowed)
+                        };
+                        Instance::new(prototype, place).map_err(refuse)?.into()
+                    }
+                };
+                all.push((surface, *material));
             }
         }
         Ok(all)
+    }
+
+    /// The surfaces of a shape that moves where it is.
+    pub(super) fn set_off(
+        &self,
+        surfaces: Vec<(Surface, u32)>,
+        motion: &Located<Motion>,
+    ) -> Result<Vec<(Surface, u32)>> {
+        let all = surfaces.into_iter().map(|(surface, material)| {
+            Ok((self.moving(Arc::new(surface), DAffine3::IDENTITY, motion)?, material))
+        });
+        all.collect()
+    }
+
+    fn moving(
+        &self,
+        prototype: Arc<Surface>,
+        place: DAffine3,
+        motion: &Located<Motion>,
+    ) -> Result<Surface> {
+        let moving = MovingInstance::new(prototype, place, motion.value);
+        let moving = moving.map_err(|e| {
+            let allowed = "a place and a way with numbers up to 1e100".to_owned();
+            self.file.invalid(&motion.at, "motion", e.to_string(), allowed)
+        })?;
+        Ok(moving.into())
     }
 
     /// Prototypes under the displacement of an instance.

@@ -89,9 +89,11 @@ impl SceneFile {
         let (mut surfaces, mut material_of) = (Vec::new(), Vec::new());
         for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
             let mut placed = loader.surfaces(entry, material, &mut materials)?;
-            if let Some(instances) = &entry.instances {
-                placed = loader.stand(placed, instances)?;
-            }
+            placed = match (&entry.instances, &entry.motion) {
+                (Some(instances), motion) => loader.stand(placed, instances, motion.as_ref())?,
+                (None, Some(motion)) => loader.set_off(placed, motion)?,
+                (None, None) => placed,
+            };
             for (surface, material) in placed {
                 surfaces.push(surface);
                 material_of.push(material);

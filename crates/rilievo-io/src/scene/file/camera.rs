@@ -19,6 +19,7 @@ pub(in super::super) struct CameraEntry {
     projection: Projection,
     lens: Option<Lens>,
     motion: Option<Motion>,
+    shutter: [f64; 2],
     /// Where `look_at` and `up`, or the table, stand.
     look_at: Range<usize>,
     up: Range<usize>,
@@ -28,7 +29,6 @@ pub(in super::super) struct CameraEntry {
 #[derive(Clone, Debug)]
 struct Motion {
     end: Pose,
-    shutter: [f64; 2],
     at: Range<usize>,
 }
 
@@ -47,8 +47,10 @@ impl CameraEntry {
         let projection = read_projection(table)?;
         let lens = read_lens(table, &parts, projection)?;
         let motion = read_motion(table, &parts)?;
+        let shutter = keys::SHUTTER.of(table)?;
         table.finish()?;
-        Ok(Self { parts, projection, lens, motion, look_at: look_at.at(), up: up.at })
+        let (look_at, up) = (look_at.at(), up.at);
+        Ok(Self { parts, projection, lens, motion, shutter, look_at, up })
     }
 
     /// The camera, or what is wrong with it, where, and what is allowed.
@@ -63,13 +65,14 @@ impl CameraEntry {
         };
         let mut camera = Camera::new(self.parts)
             .and_then(|camera| camera.with_projection(self.projection))
+            .and_then(|camera| camera.with_shutter(self.shutter))
             .map_err(posed)?;
         if let Some(lens) = self.lens {
             camera = camera.with_lens(lens).map_err(posed)?;
         }
-        if let Some(Motion { end, shutter, at }) = &self.motion {
+        if let Some(Motion { end, at }) = &self.motion {
             let allowed = "poses with a direction all the way";
-            let motion = camera.with_motion(*end, *shutter);
+            let motion = camera.with_motion(*end, self.shutter);
             camera = motion.map_err(|e| (e, at, ["camera.motion", allowed]))?;
         }
         Ok(camera)
@@ -125,9 +128,7 @@ fn read_lens(
 }
 
 fn read_motion(table: &Table<'_>, parts: &CameraParts) -> Result<Option<Motion>> {
-    let motion = table.get(&keys::MOTION_TABLE);
-    let shutter = keys::SHUTTER.of(table)?;
-    let Some(value) = motion else { return Ok(None) };
+    let Some(value) = table.get(&keys::MOTION_TABLE) else { return Ok(None) };
     let table = value.table()?;
     let end = Pose {
         position: keys::END_POSITION.of(&table)?.unwrap_or(parts.position),
@@ -135,5 +136,5 @@ fn read_motion(table: &Table<'_>, parts: &CameraParts) -> Result<Option<Motion>>
         up: keys::END_UP.of(&table)?.unwrap_or(parts.up),
     };
     table.finish()?;
-    Ok(Some(Motion { end, shutter, at: value.at() }))
+    Ok(Some(Motion { end, at: value.at() }))
 }

@@ -5,9 +5,12 @@ use std::ops::Range;
 
 use rilievo::glam::{DAffine3, DMat3};
 use rilievo::relief::Displacement;
+use rilievo::surface::Motion;
 
+use super::super::keys::motion::OF_PLACE;
 use super::super::keys::place as keys;
 use super::super::syntax::{Located, Table, Value};
+use super::motion::read_place_motion;
 use super::shape::transform;
 use crate::error::Result;
 
@@ -17,6 +20,8 @@ pub(in super::super) struct InstanceEntry {
     pub world_from_shape: DAffine3,
     /// What differs from the shape's own displacement.
     pub displacement: Option<Box<Located<Changes>>>,
+    /// Where this place goes, in the world.
+    pub motion: Option<Box<Located<Motion>>>,
     pub at: Range<usize>,
 }
 
@@ -41,30 +46,34 @@ impl Changes {
     }
 }
 
-/// The places that a shape names; none if it stands where it is.
-pub(super) fn read_instances(table: &Table<'_>) -> Result<Option<Vec<InstanceEntry>>> {
+/// The places that a shape, which moves or not, names; none if it stands where it is.
+pub(super) fn read_instances(table: &Table<'_>, moves: bool) -> Result<Option<Vec<InstanceEntry>>> {
     let (listed, scattered) = (table.get(&keys::INSTANCES), table.get(&keys::SCATTER_TABLE));
     match (listed, scattered) {
         (None, None) => Ok(None),
         (Some(_), Some(value)) => Err(value.invalid("nothing: the shape has `instances`")),
         (Some(value), None) => {
             let items = value.items("an array of tables: [{ translate = [x, y, z] }, ...]")?;
-            items.iter().map(read_instance).collect::<Result<_>>().map(Some)
+            items.iter().map(|item| read_instance(item, moves)).collect::<Result<_>>().map(Some)
         }
         (None, Some(value)) => scatter(&value).map(Some),
     }
 }
 
-fn read_instance(value: &Value<'_>) -> Result<InstanceEntry> {
+fn read_instance(value: &Value<'_>, moves: bool) -> Result<InstanceEntry> {
     let table = value.table()?;
     let displacement = table.get(&keys::CHANGES);
     let world_from_shape = transform(&table)?;
+    if let (true, Some(value)) = (moves, table.get(&OF_PLACE)) {
+        return Err(value.invalid("nothing: the shape has a `motion`, in each place"));
+    }
+    let motion = read_place_motion(&table, world_from_shape.translation)?.map(Box::new);
     table.finish()?;
     let displacement = match displacement {
         Some(value) => Some(Box::new(Located { value: read_changes(&value)?, at: value.at() })),
         None => None,
     };
-    Ok(InstanceEntry { world_from_shape, displacement, at: value.at() })
+    Ok(InstanceEntry { world_from_shape, displacement, motion, at: value.at() })
 }
 
 fn read_changes(value: &Value<'_>) -> Result<Changes> {
@@ -105,6 +114,7 @@ fn scatter(value: &Value<'_>) -> Result<Vec<InstanceEntry>> {
         InstanceEntry {
             world_from_shape: DAffine3::from_mat3_translation(linear, corner + x * u + y * v),
             displacement: None,
+            motion: None,
             at: value.at(),
         }
     };

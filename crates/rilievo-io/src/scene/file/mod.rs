@@ -8,6 +8,7 @@ mod light;
 mod map;
 mod material;
 mod model;
+mod motion;
 mod render;
 mod shape;
 mod terrain;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rilievo::glam::{DAffine3, DMat3, DVec3, EulerRot};
 use rilievo::map::NormalConvention;
 use rilievo::relief::{Displacement, Edges, Method};
+use rilievo::surface::Motion;
 
 use super::super::keys::material::CONVENTION;
 use super::super::keys::place;
@@ -12,6 +13,7 @@ use super::super::keys::render::METHOD_OF_SHAPE;
 use super::super::keys::shape::{self as keys, NormalsKind, ShapeKind};
 use super::super::syntax::{Located, Table, Value};
 use super::instances::{InstanceEntry, read_instances};
+use super::motion::read_motion;
 use super::terrain::{GroundEntry, read_terrain};
 use crate::error::Result;
 use crate::mesh::Projection;
@@ -97,6 +99,8 @@ pub(in super::super) struct ShapeEntry {
     pub material: Option<Located<String>>,
     /// Where it stands, if not once where it is.
     pub instances: Option<Vec<InstanceEntry>>,
+    /// Where it goes, in its own frame.
+    pub motion: Option<Located<Motion>>,
 }
 
 impl Shape {
@@ -129,9 +133,10 @@ impl ShapeEntry {
             ShapeKind::Mesh => Shape::Mesh(read_mesh(table)?),
             ShapeKind::Terrain => Shape::Quad(read_terrain(table)?),
         };
-        let instances = read_instances(table)?;
+        let motion = read_motion(table)?;
+        let instances = read_instances(table, motion.is_some())?;
         table.finish()?;
-        Ok(Self { shape, material, instances })
+        Ok(Self { shape, material, instances, motion })
     }
 }
 

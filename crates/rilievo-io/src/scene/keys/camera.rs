@@ -83,7 +83,7 @@ pub const SHUTTER: Key<Span, Fallback<[f64; 2]>> = Key::new(
     "shutter",
     Span(Number::Within(0.0, 1.0)),
     Fallback([0.0, 1.0]),
-    "times of the motion at which it opens and closes",
+    "times of all motions at which it opens and closes",
 );
 
 /// `[camera]`.

@@ -16,6 +16,7 @@ pub mod light;
 pub mod map;
 pub mod material;
 pub mod model;
+pub mod motion;
 mod page;
 pub mod place;
 pub mod render;
@@ -222,6 +223,8 @@ pub const SECTIONS: &[Section] = &[
     shape::MESH,
     shape::TERRAIN,
     camera::MOTION,
+    motion::SHAPE,
+    motion::PLACE,
     map::DISTANCE,
     place::PLACE,
     place::DISPLACEMENT,

@@ -1,7 +1,7 @@
 //! Where shapes stand: transforms, `instances` and `scatter`.
 
 use super::kind::{Each, Form, Integer, Number, Points, Span, along_uv};
-use super::{Fallback, Key, Optional, Required, Section};
+use super::{Fallback, Key, Optional, Required, Section, motion};
 
 /// Most places of a shape.
 const MOST: u64 = 10_000_000;
@@ -32,7 +32,7 @@ pub const INSTANCES: Key<Form, Optional> = Key::new(
     "instances",
     Form("array of tables"),
     Optional("none: once, where it is"),
-    "one a place: the keys of a transform, and `displacement`",
+    "one a place: the keys of a transform, `displacement` and `motion`",
 );
 pub const SCATTER_TABLE: Key<Form, Optional> = Key::new(
     "scatter",
@@ -56,7 +56,7 @@ pub const CHANGES: Key<Form, Optional> = Key::new(
 pub const PLACE: Section = Section {
     name: "place",
     table: "shapes[].instances[]",
-    keys: &[&TRANSLATE, &ROTATE, &SCALE, &CHANGES],
+    keys: &[&TRANSLATE, &ROTATE, &SCALE, &CHANGES, &motion::OF_PLACE],
 };
 
 /// What holds of a number that a place does not change.

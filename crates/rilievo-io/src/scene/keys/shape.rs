@@ -5,7 +5,7 @@ use rilievo::relief::Edges;
 
 use super::kind::{Choice, Each, Flag, Form, Number, OrTable, Point, Points, Text, along_uv};
 use super::render::METHOD_OF_SHAPE;
-use super::{Fallback, Key, Optional, Required, Section};
+use super::{Fallback, Key, Optional, Required, Section, motion};
 use crate::mesh::Projection;
 
 /// The types of shapes.
@@ -35,7 +35,7 @@ pub const MATERIAL: Key<Text, Optional> =
 
 /// Every shape.
 pub const SHAPES: Section =
-    Section { name: "shapes", table: "shapes[]", keys: &[&TYPE, &MATERIAL] };
+    Section { name: "shapes", table: "shapes[]", keys: &[&TYPE, &MATERIAL, &motion::OF_SHAPE] };
 
 pub const CORNERS: Key<Points<4>, Required> = Key::new(
     "corners",
