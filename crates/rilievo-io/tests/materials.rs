@@ -10,8 +10,8 @@ use rilievo_io::Limits;
 use rilievo_io::image::{write_png_grey16, write_png_rgb8};
 use rilievo_io::scene::{LoadOptions, LoadedScene, SceneFile};
 use rilievo_render::scene::{Metal, Model};
-use rilievo_render::texture::Channel;
-use rilievo_render::{Integrator, Material, Reflectance, Scene};
+use rilievo_render::texture::{Channel, TileCache};
+use rilievo_render::{Integrator, Material, MemoryUse, Reflectance, RenderOptions, Scene};
 
 const PATHS: LoadOptionsOf = LoadOptionsOf(Some(Integrator::Path));
 const PAPERS: LoadOptionsOf = LoadOptionsOf(None);
@@ -87,28 +87,73 @@ fn every_model_of_a_scene_arrives() {
 }
 
 #[test]
-fn textures_are_halved_until_they_fit() {
+fn textures_that_do_not_fit_lie_in_tiles_and_show_the_same() {
     let dir = tempfile::tempdir().unwrap();
-    for (name, side) in [("a.png", 1024_u32), ("b.png", 512)] {
+    for (name, side) in [("a.png", 600_u32), ("b.png", 1024)] {
+        let texel = |k: u32| [k, k >> 3, k >> 11].map(|x| (x.wrapping_mul(97) & 255) as u8);
+        let texels: Vec<_> = (0..side * side).map(texel).collect();
+        write_png_rgb8(&dir.path().join(name), [side; 2], &texels).unwrap();
+    }
+    let sphere = "[[shapes]]\ntype = \"sphere\"\nradius = 1\n";
+    let text = |memory: &str| {
+        format!(
+            "resolution = [48, 48]\n[render]\nintegrator = \"path\"\nsamples = 4\nmax_depth = 2\n\
+             background = [1, 1, 1]\n{memory}\n\
+             [materials.a]\ntexture = {{ file = \"a.png\", tile = [3, 3] }}\n\
+             [materials.b]\ntexture = \"b.png\"\n\
+             {sphere}center = [0, 0, 0]\nmaterial = \"a\"\n\
+             {sphere}center = [0, 0.3, 1]\nmaterial = \"b\"\n"
+        )
+    };
+    let load = |memory| PAPERS.load(&scene(dir.path(), &text(memory)));
+    let picture = |loaded: &LoadedScene, threads| {
+        let options = RenderOptions { threads, ..RenderOptions::default() };
+        let film = rilievo_render::render(&loaded.scene, &options).unwrap().0;
+        film.radiance().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>()
+    };
+    let all = load("");
+    let fits = load("texture_memory = 6");
+    let tiled = load("texture_memory = 1");
+    assert!(all.notes.is_empty() && fits.notes.is_empty());
+    // 1.4 MiB, which does not fit, and 4.
+    let [note] = tiled.notes.as_slice() else { panic!("{:?}", tiled.notes) };
+    assert!(note.starts_with("textures of 6 MiB do not fit texture_memory = 1: "), "{note}");
+    let want = picture(&all, 1);
+    assert!(want.iter().any(|&x| f32::from_bits(x) > 0.1));
+    for threads in [1, 3] {
+        assert!(picture(&fits, threads) == want && picture(&tiled, threads) == want);
+    }
+    let textures = |loaded: &LoadedScene| {
+        MemoryUse::predict(&loaded.scene, &RenderOptions { threads: 1, ..RenderOptions::default() })
+            .textures
+    };
+    assert_eq!(textures(&all), textures(&fits));
+    assert_eq!(textures(&tiled), (1 << 20) + TileCache::SLACK);
+}
+
+#[test]
+fn an_image_that_fitted_goes_to_the_file_with_one_that_does_not() {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, side) in [("a.png", 16_u32), ("b.png", 700)] {
         let texels = vec![[200, 100, 50]; (side * side) as usize];
         write_png_rgb8(&dir.path().join(name), [side; 2], &texels).unwrap();
     }
     let sphere = "[[shapes]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
     let text = format!(
-        "[render]\ntexture_memory = 2\n[materials.a]\ntexture = \"a.png\"\n[materials.b]\n\
+        "[render]\ntexture_memory = 1\n[materials.a]\ntexture = \"a.png\"\n[materials.b]\n\
          texture = \"b.png\"\n{sphere}material = \"a\"\n{sphere}material = \"b\"\n"
     );
     let loaded = PAPERS.load(&scene(dir.path(), &text));
-    let width = |surface| {
+    let image = |surface| {
         let Reflectance::Textured(texture) = &loaded.scene.material(surface).diffuse else {
             panic!()
         };
-        texture.image.width()
+        Arc::clone(&texture.image)
     };
-    // 4 MiB and 1 MiB with their pyramids; 1 and 1 fit.
-    assert_eq!((width(0), width(1)), (512, 512));
-    let [note] = loaded.notes.as_slice() else { panic!("{:?}", loaded.notes) };
-    assert_eq!(note, "textures of 5 MiB do not fit texture_memory = 2: a.png at 512 x 512");
+    let [a, b] = [0, 1].map(image);
+    assert!(Arc::ptr_eq(a.cache().unwrap(), b.cache().unwrap()));
+    assert_eq!((a.width(), b.width()), (16, 700));
+    assert_eq!(a.texel(3, 3), b.texel(690, 3));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::integrator::Integrator;
 use crate::light::Environment;
 use crate::render::{RenderOptions, TILE, thread_count};
 use crate::scene::Scene;
+use crate::texture::TileCache;
 
 /// Bytes held while a scene is rendered, by kind. What surfaces share is counted once. The program
 /// itself and what reading files needs come on top.
@@ -22,7 +23,7 @@ pub struct MemoryUse {
     pub bounds: u64,
     /// Surfaces, meshes and the tree over them.
     pub geometry: u64,
-    /// Texels.
+    /// Texels; of images in tiles what their cache may hold.
     pub textures: u64,
     /// The image and its layers.
     pub film: u64,
@@ -51,7 +52,12 @@ impl MemoryUse {
         let paths = scene.settings().integrator == Integrator::Path;
         for material in scene.materials() {
             for texture in material.textures() {
-                if first(Arc::as_ptr(&texture.image).cast()) {
+                if let Some(cache) = texture.image.cache() {
+                    if first(Arc::as_ptr(cache).cast()) {
+                        let threads = thread_count(options.threads) as u64;
+                        all.textures += cache.capacity() + threads * TileCache::SLACK;
+                    }
+                } else if first(Arc::as_ptr(&texture.image).cast()) {
                     all.textures += texture.image.bytes();
                     if paths {
                         all.textures += texture.image.coarser_bytes();

@@ -124,6 +124,9 @@ pub enum RenderError {
     /// The film to be continued is one of another render.
     #[error("the film is one of another render")]
     OtherFilm,
+    /// A part of a texture could not be read when it was needed.
+    #[error("a texture could not be read: {0}")]
+    Texture(String),
     /// The threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {
@@ -299,7 +302,7 @@ struct Passes<'a> {
 }
 
 impl Passes<'_> {
-    fn all(&self, shared: &Shared) -> Result<(), FilmError> {
+    fn all(&self, shared: &Shared) -> Result<(), RenderError> {
         let sums = self.scene.settings().integrator.sums();
         let mut end = if sums { 1 } else { self.samples };
         loop {
@@ -321,7 +324,7 @@ impl Passes<'_> {
 
     /// Takes the samples of a tile up to `end` of the range and puts it back into the film, unless
     /// cancelled before its last row.
-    fn visit(&self, tile: Tile, end: u32, shared: &Shared) -> Result<(), FilmError> {
+    fn visit(&self, tile: Tile, end: u32, shared: &Shared) -> Result<(), RenderError> {
         let Some((mut pixels, taken)) = lock(&shared.film).part(tile, end)? else {
             return Ok(());
         };
@@ -342,6 +345,9 @@ impl Passes<'_> {
                     None => tracer.trace(pixel, &mut pixels.pixel_mut(x, y)),
                 }
             }
+        }
+        if let Some(reason) = self.scene.texture_failure() {
+            return Err(RenderError::Texture(reason.to_owned()));
         }
         pixels.store_sums();
         let enough = end == self.samples || self.is_good_enough(&pixels, end);

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use rilievo::relief::Displacement;
 use rilievo::glam::DAffine3;
+use rilievo::relief::Displacement;
 use rilievo::surface::{Instance, InstanceError, Motion, MovingInstance, Surface};
 
 use super::file::InstanceEntry;

@@ -231,54 +231,8 @@ impl Loader<'_> {
             Codes::Colour => read()?,
             Codes::Number => read()?.into_linear(),
         };
-        let image = Arc::new(image);
+        let image = Arc::new(self.fitted(image)?);
         self.images.insert(key, Arc::clone(&image));
         Ok(image)
-    }
-
-    /// Halves the largest images until all of them, with their coarser ones, take no more memory than
-    /// the scene allows; tells what was halved.
-    pub(super) fn fit_images(&mut self, materials: &mut [Material]) {
-        let own = self.file.render.texture_memory;
-        let Some(allowed) = self.options.texture_memory.or(own) else { return };
-        let size = |image: &ColourImage| image.bytes() + image.coarser_bytes();
-        // By name, so that equal sizes are halved in one order.
-        let mut all: Vec<_> = self.images.drain().collect();
-        all.sort_by(|(a, _), (b, _)| (&a.0, a.1 as u8).cmp(&(&b.0, b.1 as u8)));
-        let mut now: Vec<_> = all.iter().map(|(_, image)| Arc::clone(image)).collect();
-        let mut total: u64 = now.iter().map(|image| size(image)).sum();
-        let before = total;
-        while total > allowed {
-            let Some(largest) = now.iter_mut().max_by_key(|image| image.bytes()) else { break };
-            let small = Arc::new(largest.halved());
-            if small.bytes() == largest.bytes() {
-                break;
-            }
-            total -= size(largest) - size(&small);
-            *largest = small;
-        }
-        let mut halved = Vec::new();
-        for ((key, old), new) in all.iter().zip(&now) {
-            if !Arc::ptr_eq(old, new) {
-                let name = key.0.file_name().unwrap_or_default().to_string_lossy();
-                halved.push(format!("{name} at {} x {}", new.width(), new.height()));
-            }
-        }
-        if halved.is_empty() {
-            return;
-        }
-        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
-        self.notes.push(format!(
-            "textures of {} MiB do not fit texture_memory = {}: {}",
-            mib(before),
-            mib(allowed),
-            halved.join(", ")
-        ));
-        for material in materials {
-            *material = material.with_images(&|image| {
-                let place = all.iter().position(|(_, old)| Arc::ptr_eq(old, image));
-                Arc::clone(place.map_or(image, |k| &now[k]))
-            });
-        }
     }
 }

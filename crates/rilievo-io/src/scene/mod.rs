@@ -38,6 +38,7 @@ mod set_materials;
 mod sets;
 mod syntax;
 mod terrain;
+mod texture_memory;
 
 pub use file::SceneFile;
 pub use keys::reference;

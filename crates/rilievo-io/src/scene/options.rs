@@ -18,7 +18,8 @@ pub struct LoadOptions<'a> {
     pub layout: Option<Layout>,
     /// Renders so, whatever the scene says: some files are only read for some integrators.
     pub integrator: Option<Integrator>,
-    /// Bytes that textures may take, whatever the scene says; they are halved until they fit.
+    /// Bytes that textures may take, whatever the scene says; what does not fit lies in a temporary
+    /// file, and the picture is the same.
     pub texture_memory: Option<u64>,
     /// Vector instructions of the walk.
     pub simd: SimdLevel,

@@ -22,6 +22,7 @@ use super::materials::ImageKey;
 use super::options::LoadOptions;
 use super::relief_sphere::{LoadedSphereMap, SphereMapKey};
 use super::syntax::{Located, hint};
+use super::texture_memory::TextureMemory;
 use crate::error::{Error, Result};
 use crate::image::{NormalOptions, read_colour};
 
@@ -75,6 +76,7 @@ impl SceneFile {
             sphere_maps: HashMap::new(),
             images: HashMap::new(),
             glasses: Vec::new(),
+            texture_memory: TextureMemory::default(),
             lamps: self.lights.clone(),
             notes: Vec::new(),
         };
@@ -99,7 +101,7 @@ impl SceneFile {
                 material_of.push(material);
             }
         }
-        loader.fit_images(&mut materials);
+        loader.fit_images(&mut materials)?;
         let parts = SceneParts {
             world: World::new(surfaces),
             materials,
@@ -201,6 +203,7 @@ pub(super) struct Loader<'a> {
     pub(super) maps: HashMap<&'a str, Arc<Relief>>,
     pub(super) sphere_maps: HashMap<SphereMapKey<'a>, LoadedSphereMap>,
     pub(super) images: HashMap<ImageKey, Arc<ColourImage>>,
+    pub(super) texture_memory: TextureMemory,
     /// Indices of refraction in use.
     pub(super) glasses: Vec<Arc<GlassTable>>,
     /// Lights that are no shapes: those of the scene, then those of models.

@@ -173,7 +173,8 @@ impl CameraNumbers {
     /// only.
     fn of(scene: &Scene, mut draw: impl FnMut(Dimension) -> DVec2) -> Self {
         let filter = draw(Dimension::Pixel);
-        let lens = if scene.camera().has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
+        let lens =
+            if scene.camera().has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
         let time = if scene.moves() { draw(Dimension::Time).x } else { 0.0 };
         Self { filter, lens, time }
     }

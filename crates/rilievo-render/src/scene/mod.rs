@@ -17,6 +17,7 @@ use rilievo::surface::World;
 
 use crate::colour::{Rgb, is_radiance};
 use crate::light::{Environment, Light, Lighting};
+use crate::texture::TileCache;
 
 /// What a scene is made of.
 #[derive(Debug)]
@@ -91,6 +92,8 @@ pub struct Scene {
     environment: Option<Arc<Environment>>,
     /// Made when it is first asked for.
     lighting: OnceLock<Lighting>,
+    /// What brings in the tiles of textures, each once.
+    caches: Vec<Arc<TileCache>>,
 }
 
 impl Scene {
@@ -126,7 +129,14 @@ impl Scene {
             .collect();
         let of_surfaces = lights.len();
         let lighting = OnceLock::new();
-        Ok(Self { parts, lights, of_surfaces, environment: None, lighting })
+        let mut caches: Vec<Arc<TileCache>> = Vec::new();
+        let textures = parts.materials.iter().flat_map(Material::textures);
+        for cache in textures.filter_map(|texture| texture.image.cache()) {
+            if !caches.iter().any(|known| Arc::ptr_eq(known, cache)) {
+                caches.push(Arc::clone(cache));
+            }
+        }
+        Ok(Self { parts, lights, of_surfaces, environment: None, lighting, caches })
     }
 
     /// The same scene with these lights that are no surfaces beside those that are. Of others, quads
@@ -169,6 +179,11 @@ impl Scene {
         &self.parts.world
     }
 
+    /// Whether pictures depend on when they are taken: the camera moves, or a surface.
+    pub fn moves(&self) -> bool {
+        self.camera().moves() || self.world().moves()
+    }
+
     /// The materials.
     pub fn materials(&self) -> &[Material] {
         &self.parts.materials
@@ -179,12 +194,13 @@ impl Scene {
     /// # Panics
     /// If the world has no such surface.
     pub fn material(&self, surface: u32) -> &Material {
-    /// Whether pictures depend on when they are taken: the camera moves, or a surface.
-    pub fn moves(&self) -> bool {
-        self.camera().moves() || self.world().moves()
+        &self.parts.materials[self.parts.material_of[surface as usize] as usize]
     }
 
-        &self.parts.materials[self.parts.material_of[surface as usize] as usize]
+    /// Why a tile of a texture could not be read, if one could not: what was rendered since shows it
+    /// black.
+    pub fn texture_failure(&self) -> Option<&str> {
+        self.caches.iter().find_map(|cache| cache.failure())
     }
 
     /// The lights that the paper's integrator samples, in the order of their surfaces; lamps last.

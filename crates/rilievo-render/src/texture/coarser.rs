@@ -1,14 +1,14 @@
 //! An image at half its width and height.
 
-use super::image::{Level, Texels};
+use super::texels::{Decoder, Level, Texels};
 use crate::colour::{Rgb, srgb_from_linear};
 
 /// The sRGB codes of linear values, in steps fine enough that a code is at most one off.
 const STEPS: usize = 1 << 14;
 
 /// `level` with half the texels along each axis, at least one. Each is the mean over the texels it
-/// covers, by area; `texel` decodes them.
-pub(super) fn coarser(level: &Level, texel: &dyn Fn(&Level, u32, u32) -> Rgb) -> Level {
+/// covers, by area.
+pub(super) fn coarser(level: &Level, decoder: &Decoder) -> Level {
     let [width, height] = [level.width, level.height].map(|n| (n / 2).max(1));
     let columns: Vec<_> = (0..width).map(|i| cover(i, level.width, width)).collect();
     let mean = |i: u32, j: u32| {
@@ -16,7 +16,7 @@ pub(super) fn coarser(level: &Level, texel: &dyn Fn(&Level, u32, u32) -> Rgb) ->
         let mut sum = Rgb::ZERO;
         for (row, weight) in up.parts() {
             for (column, share) in across.parts() {
-                sum += weight * share * texel(level, column, row);
+                sum += weight * share * decoder.texel(level, column, row);
             }
         }
         sum

@@ -6,98 +6,39 @@
 //!
 //! Each coarser image has half the texels along an axis, rounded down, each the mean of the area it
 //! covers, stored at the same depth. The coarser images are made when one is first asked for.
+//!
+//! An image that memory is too small for is kept in tiles ([`ColourImage::tiled`]), all its coarser images with
+//! it; look-ups are the same to the last bit.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
 use rilievo::map::Wrap;
 
+use super::cache::TileCache;
 use super::coarser::coarser;
-use crate::colour::{Rgb, linear_from_srgb};
-
-/// The texels of a colour image, row-major, row 0 at `v = 0`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Texels {
-    /// 8-bit sRGB codes.
-    Srgb8(Vec<[u8; 3]>),
-    /// 16-bit sRGB codes.
-    Srgb16(Vec<[u16; 3]>),
-    /// 8-bit codes of linear numbers, `code / 255`.
-    Linear8(Vec<[u8; 3]>),
-    /// 16-bit codes of linear numbers, `code / 65535`.
-    Linear16(Vec<[u16; 3]>),
-    /// Linear values.
-    Linear(Vec<[f32; 3]>),
-}
-
-impl Texels {
-    fn len(&self) -> usize {
-        match self {
-            Self::Srgb8(v) | Self::Linear8(v) => v.len(),
-            Self::Srgb16(v) | Self::Linear16(v) => v.len(),
-            Self::Linear(v) => v.len(),
-        }
-    }
-
-    /// Bytes a texel.
-    fn bytes(&self) -> u64 {
-        match self {
-            Self::Srgb8(_) | Self::Linear8(_) => 3,
-            Self::Srgb16(_) | Self::Linear16(_) => 6,
-            Self::Linear(_) => 12,
-        }
-    }
-}
-
-/// Why a colour image was refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TextureError {
-    /// No texel along an axis, or more than `i32` indices can count.
-    #[error("a colour image needs 1 to 16777216 texels along an axis, not {width} x {height}")]
-    BadSize {
-        /// Texels along u.
-        width: u32,
-        /// Texels along v.
-        height: u32,
-    },
-    /// The texel count is not width times height.
-    #[error("{width} x {height} needs {} texels, {found} were given", u64::from(*width) * u64::from(*height))]
-    WrongCount {
-        /// Texels along u.
-        width: u32,
-        /// Texels along v.
-        height: u32,
-        /// Texels given.
-        found: usize,
-    },
-    /// A texel is NaN, infinite or below 0.
-    #[error("texel ({i}, {j}) holds {value}; colours must be finite and at least 0")]
-    BadValue {
-        /// Column.
-        i: u32,
-        /// Row, counted from `v = 0`.
-        j: u32,
-        /// The value found.
-        value: f32,
-    },
-}
-
-/// An image without coarser ones.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Level {
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) texels: Texels,
-}
+use super::texels::{Decoder, Level, Texels, TextureError};
+use super::tiled::Tiled;
+use crate::colour::Rgb;
 
 /// A colour image; immutable and valid by construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColourImage {
-    finest: Level,
-    /// Halved again and again, down to one texel; made when first asked for.
-    coarser: OnceLock<Vec<Level>>,
-    /// The linear value of every 8-bit code.
-    linear_of_code: Vec<f32>,
+    storage: Storage,
+    decoder: Decoder,
+}
+
+/// Where the texels are.
+#[derive(Clone, Debug, PartialEq)]
+enum Storage {
+    /// In memory.
+    Held {
+        finest: Level,
+        /// Halved again and again, down to one texel; made when first asked for.
+        coarser: OnceLock<Vec<Level>>,
+    },
+    /// In a file, a few tiles in memory.
+    Tiled(Tiled),
 }
 
 impl ColourImage {
@@ -121,65 +62,95 @@ impl ColourImage {
                 return Err(TextureError::BadValue { i: i as u32, j: j as u32, value });
             }
         }
-        Ok(Self::unchecked(Level { width, height, texels }))
+        Ok(Self::held(Level { width, height, texels }))
     }
 
-    /// The same codes taken as linear numbers; float texels are such already.
+    /// The same codes taken as linear numbers; float texels are such already. An image in tiles stays
+    /// as it is.
     #[must_use]
     pub fn into_linear(self) -> Self {
-        let Level { width, height, texels } = self.finest;
+        let Storage::Held { finest: Level { width, height, texels }, .. } = self.storage else {
+            return self;
+        };
         let texels = match texels {
             Texels::Srgb8(v) => Texels::Linear8(v),
             Texels::Srgb16(v) => Texels::Linear16(v),
             linear => linear,
         };
-        Self::unchecked(Level { width, height, texels })
+        Self::held(Level { width, height, texels })
     }
 
-    fn unchecked(finest: Level) -> Self {
-        let codes = (0..=255).map(|code| f64::from(code) / 255.0);
-        let linear_of_code = match finest.texels {
-            Texels::Srgb8(_) => codes.map(|code| linear_from_srgb(code) as f32).collect(),
-            Texels::Linear8(_) => codes.map(|code| code as f32).collect(),
-            Texels::Srgb16(_) | Texels::Linear16(_) | Texels::Linear(_) => Vec::new(),
-        };
-        Self { finest, coarser: OnceLock::new(), linear_of_code }
+    fn held(finest: Level) -> Self {
+        let decoder = Decoder::new(finest.texels.coding());
+        Self { storage: Storage::Held { finest, coarser: OnceLock::new() }, decoder }
     }
 
-    /// The image at half its width and height; the image itself if it is a single texel.
-    #[must_use]
-    pub fn halved(&self) -> Self {
-        let finest = match (self.finest.width, self.finest.height) {
-            (1, 1) => self.finest.clone(),
-            _ => coarser(&self.finest, &|level, i, j| self.texel_of(level, i, j)),
-        };
-        Self::unchecked(finest)
+    /// The same image in tiles, which `cache` brings in when they are asked for. Shows all tiles, those
+    /// of the coarser images too, to `write`, in the order in which the cache's source is to hold them
+    /// from `first` on. Every look-up gives the same bits.
+    ///
+    /// # Errors
+    /// Those of `write`.
+    pub fn tiled<E>(
+        &self,
+        cache: &Arc<TileCache>,
+        first: u64,
+        write: &mut dyn FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let Storage::Held { finest, .. } = &self.storage else { return Ok(self.clone()) };
+        let tiled = Tiled::write(finest, &self.decoder, (cache, first), write)?;
+        Ok(Self { storage: Storage::Tiled(tiled), decoder: self.decoder.clone() })
+    }
+
+    /// What brings in its tiles, of an image in tiles.
+    pub fn cache(&self) -> Option<&Arc<TileCache>> {
+        match &self.storage {
+            Storage::Held { .. } => None,
+            Storage::Tiled(tiled) => Some(tiled.cache()),
+        }
+    }
+
+    /// Texels along u and v.
+    #[inline]
+    fn size(&self) -> [u32; 2] {
+        match &self.storage {
+            Storage::Held { finest, .. } => [finest.width, finest.height],
+            Storage::Tiled(tiled) => tiled.size(0),
+        }
     }
 
     /// Texels along u.
     pub fn width(&self) -> u32 {
-        self.finest.width
+        self.size()[0]
     }
 
     /// Texels along v.
     pub fn height(&self) -> u32 {
-        self.finest.height
+        self.size()[1]
     }
 
-    /// Bytes held by the texels, without those of the coarser images.
+    /// Bytes a texel.
+    fn texel_bytes(&self) -> u64 {
+        match &self.storage {
+            Storage::Held { finest, .. } => finest.texels.coding().bytes(),
+            Storage::Tiled(tiled) => tiled.texel_bytes(),
+        }
+    }
+
+    /// Bytes of the texels, without those of the coarser images.
     pub fn bytes(&self) -> u64 {
-        self.finest.texels.bytes() * self.finest.texels.len() as u64
+        self.texel_bytes() * u64::from(self.width()) * u64::from(self.height())
     }
 
-    /// Bytes that the coarser images hold, or will once they are asked for.
+    /// Bytes of the coarser images, whether or not they have been asked for.
     pub fn coarser_bytes(&self) -> u64 {
-        let (mut width, mut height) = (self.finest.width, self.finest.height);
+        let [mut width, mut height] = self.size();
         let mut texels = 0;
         while width > 1 || height > 1 {
             (width, height) = ((width / 2).max(1), (height / 2).max(1));
             texels += u64::from(width) * u64::from(height);
         }
-        texels * self.finest.texels.bytes()
+        texels * self.texel_bytes()
     }
 
     /// The linear colour of a texel.
@@ -187,22 +158,12 @@ impl ColourImage {
     /// # Panics
     /// If `i` or `j` is out of range.
     pub fn texel(&self, i: u32, j: u32) -> Rgb {
-        let Level { width, height, .. } = self.finest;
+        let [width, height] = self.size();
         assert!(i < width && j < height, "texel ({i}, {j}) is outside the image");
-        self.texel_of(&self.finest, i, j)
-    }
-
-    #[inline]
-    fn texel_of(&self, level: &Level, i: u32, j: u32) -> Rgb {
-        let at = j as usize * level.width as usize + i as usize;
-        let code = |c: u8| f64::from(self.linear_of_code[usize::from(c)]);
-        let rgb = match &level.texels {
-            Texels::Srgb8(v) | Texels::Linear8(v) => v[at].map(code),
-            Texels::Srgb16(v) => v[at].map(|c| linear_from_srgb(f64::from(c) / 65535.0)),
-            Texels::Linear16(v) => v[at].map(|c| f64::from(c) / 65535.0),
-            Texels::Linear(v) => v[at].map(f64::from),
-        };
-        Rgb::from_array(rgb)
+        match &self.storage {
+            Storage::Held { finest, .. } => self.decoder.texel(finest, i, j),
+            Storage::Tiled(tiled) => tiled.reader(0, &self.decoder).texel(i, j),
+        }
     }
 
     /// The linear colour at `uv`, bilinear between texel centres of the repeated image; black where
@@ -216,51 +177,87 @@ impl ColourImage {
         if !uv.is_finite() {
             return Rgb::ZERO;
         }
-        self.lookup_level(&self.finest, uv, wrap)
+        match &self.storage {
+            Storage::Held { finest, .. } => self.lookup_level(finest, uv, wrap),
+            Storage::Tiled(tiled) => self.lookup_tiled(tiled, 0, uv, wrap),
+        }
     }
 
+    #[inline]
     fn lookup_level(&self, level: &Level, uv: DVec2, wrap: [Wrap; 2]) -> Rgb {
-        let (i, s) = neighbours(uv.x, level.width, wrap[0]);
-        let (j, t) = neighbours(uv.y, level.height, wrap[1]);
-        let texel = |a: usize, b: usize| self.texel_of(level, i[a], j[b]);
-        let low = texel(0, 0).lerp(texel(1, 0), s);
-        let high = texel(0, 1).lerp(texel(1, 1), s);
-        low.lerp(high, t)
+        let size = [level.width, level.height];
+        bilinear(size, uv, wrap, |i, j| self.decoder.texel(level, i, j))
+    }
+
+    fn lookup_tiled(&self, tiled: &Tiled, depth: usize, uv: DVec2, wrap: [Wrap; 2]) -> Rgb {
+        let mut reader = tiled.reader(depth, &self.decoder);
+        bilinear(tiled.size(depth), uv, wrap, |i, j| reader.texel(i, j))
     }
 
     /// The mean colour over a window of `width` along u and v around `uv`, about: between the two
     /// levels whose texels are nearest in size to its narrower side, counted in texels. So a window
     /// that is long and narrow is not blurred across; samples along it are the caller's to take.
     pub(super) fn lookup_mean(&self, uv: DVec2, width: DVec2, wrap: [Wrap; 2]) -> Rgb {
-        let Level { width: columns, height: rows, .. } = self.finest;
+        let [columns, rows] = self.size();
         let side = (width.x * f64::from(columns)).min(width.y * f64::from(rows));
         if side.is_nan() || side <= 1.0 || !uv.is_finite() {
             return self.lookup_wrapped(uv, wrap);
         }
-        let levels = self.coarser.get_or_init(|| self.all_coarser());
         let (whole, part) = (side.log2().floor(), side.log2().fract());
-        let at = |depth: usize| match depth.min(levels.len()) {
-            0 => &self.finest,
-            k => &levels[k - 1],
-        };
         let depth = whole.min(64.0) as usize;
-        let fine = self.lookup_level(at(depth), uv, wrap);
-        if depth >= levels.len() || part < 1e-3 {
-            return fine;
-        }
-        fine.lerp(self.lookup_level(at(depth + 1), uv, wrap), part)
-    }
-
-    fn all_coarser(&self) -> Vec<Level> {
-        let mut levels: Vec<Level> = Vec::new();
-        loop {
-            let last = levels.last().unwrap_or(&self.finest);
-            if last.width == 1 && last.height == 1 {
-                return levels;
+        match &self.storage {
+            Storage::Held { finest, coarser } => {
+                let levels = coarser.get_or_init(|| coarser_levels(finest, &self.decoder));
+                let at = |depth: usize| match depth.min(levels.len()) {
+                    0 => finest,
+                    k => &levels[k - 1],
+                };
+                let level = |depth| self.lookup_level(at(depth), uv, wrap);
+                between(level, depth, (part, levels.len()))
             }
-            let next = coarser(last, &|level, i, j| self.texel_of(level, i, j));
-            levels.push(next);
+            Storage::Tiled(tiled) => {
+                let most = tiled.coarser();
+                let level = |depth: usize| self.lookup_tiled(tiled, depth.min(most), uv, wrap);
+                between(level, depth, (part, most))
+            }
         }
+    }
+}
+
+/// What `level` says at a depth and a part beyond; the last is at depth `most`.
+#[inline]
+fn between(level: impl Fn(usize) -> Rgb, depth: usize, (part, most): (f64, usize)) -> Rgb {
+    let fine = level(depth);
+    if depth >= most || part < 1e-3 {
+        return fine;
+    }
+    fine.lerp(level(depth + 1), part)
+}
+
+/// Between the four texels around `uv`.
+#[inline]
+fn bilinear(
+    [width, height]: [u32; 2],
+    uv: DVec2,
+    wrap: [Wrap; 2],
+    mut texel: impl FnMut(u32, u32) -> Rgb,
+) -> Rgb {
+    let (i, s) = neighbours(uv.x, width, wrap[0]);
+    let (j, t) = neighbours(uv.y, height, wrap[1]);
+    let low = texel(i[0], j[0]).lerp(texel(i[1], j[0]), s);
+    let high = texel(i[0], j[1]).lerp(texel(i[1], j[1]), s);
+    low.lerp(high, t)
+}
+
+fn coarser_levels(finest: &Level, decoder: &Decoder) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    loop {
+        let last = levels.last().unwrap_or(finest);
+        if last.width == 1 && last.height == 1 {
+            return levels;
+        }
+        let next = coarser(last, decoder);
+        levels.push(next);
     }
 }
 
@@ -297,6 +294,12 @@ mod tests {
     fn corners() -> ColourImage {
         let texels = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
         ColourImage::new(2, 2, Texels::Linear(texels)).unwrap()
+    }
+
+    /// The first of the coarser images.
+    fn half(image: &ColourImage) -> ColourImage {
+        let Storage::Held { finest, .. } = &image.storage else { panic!() };
+        ColourImage::held(coarser(finest, &image.decoder))
     }
 
     #[test]
@@ -344,9 +347,7 @@ mod tests {
             assert!((mean(uv, 1e9) - 0.5).abs() < 1e-6);
         }
         assert_eq!(image.coarser_bytes(), 12 * (6 * 2 + 3 + 1));
-        let small = image.halved();
-        assert_eq!((small.width(), small.height()), (6, 2));
-        assert_eq!(small.texel(3, 1), Rgb::splat(0.5));
+        assert_eq!(half(&image).texel(3, 1), Rgb::splat(0.5));
     }
 
     #[test]
@@ -354,14 +355,14 @@ mod tests {
         let board = |k: usize| [if k.is_multiple_of(2) { 0 } else { 255 }; 3];
         let codes: Vec<_> = (0..4).map(board).collect();
         let image = ColourImage::new(4, 1, Texels::Srgb8(codes.clone())).unwrap();
-        assert!((image.halved().texel(0, 0).x - 0.5).abs() < 3e-3);
+        assert!((half(&image).texel(0, 0).x - 0.5).abs() < 3e-3);
         let image = ColourImage::new(4, 1, Texels::Linear8(codes)).unwrap();
-        assert!((image.halved().texel(1, 0).x - 0.5).abs() < 3e-3);
+        assert!((half(&image).texel(1, 0).x - 0.5).abs() < 3e-3);
         let wide = vec![[0; 3], [65535; 3]];
         let image = ColourImage::new(1, 2, Texels::Srgb16(wide.clone())).unwrap();
-        assert!((image.halved().texel(0, 0).x - 0.5).abs() < 1e-4);
+        assert!((half(&image).texel(0, 0).x - 0.5).abs() < 1e-4);
         let image = ColourImage::new(1, 2, Texels::Linear16(wide)).unwrap();
-        assert!((image.halved().texel(0, 0).x - 0.5).abs() < 1e-4);
+        assert!((half(&image).texel(0, 0).x - 0.5).abs() < 1e-4);
     }
 
     #[test]

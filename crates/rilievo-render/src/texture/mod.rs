@@ -2,14 +2,20 @@
 //!
 //! An image keeps the depth of its file ([`ColourImage`]); a [`Texture`] lays it over uv; an input
 //! ([`ColourInput`], [`NumberInput`], [`NormalInput`]) is a constant, or a constant times a texture.
-//! Whether codes are sRGB or linear is the image's to know: colours are sRGB, all else is linear.
+//! Whether codes are sRGB or linear is the image's to know: colours are sRGB, all else is linear. Images that memory is too small for
+//! lie in tiles elsewhere, and a [`TileCache`] brings in those that are looked at.
 
+mod cache;
 mod coarser;
 mod image;
 mod input;
+mod texels;
+mod tiled;
 
-pub use image::{ColourImage, Texels, TextureError};
+pub use cache::{TileCache, TileSource};
+pub use image::ColourImage;
 pub use input::{Channel, ColourInput, NormalInput, NumberInput};
+pub use texels::{Texels, TextureError};
 
 use std::sync::Arc;
 

@@ -12,3 +12,4 @@ mod recorded;
 mod relief;
 mod scene;
 mod scenes;
+mod tiles;

@@ -103,7 +103,7 @@ pub const TEXTURE_MEMORY: Key<Integer<u64>, Optional> = Key::new(
     "texture_memory",
     Integer::within(1, 1 << 30),
     Optional("no limit"),
-    "the largest textures are halved until all fit; a note tells which",
+    "of textures; those that do not fit lie in a temporary file, and the picture is the same",
 )
 .unit("MiB");
 
