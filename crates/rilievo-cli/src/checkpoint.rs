@@ -4,8 +4,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use rilievo_io::Limits;
-use rilievo_io::film_file::{FilmFile, Remainder};
-use rilievo_io::image::ChannelImage;
+use rilievo_io::film_file::{FilmFile, Header, Remainder};
 use rilievo_render::Film;
 
 use crate::args::value::{PictureFormat, PicturePath};
@@ -68,33 +67,24 @@ impl<'a> Checkpoints<'a> {
 pub fn write(
     film: &Film,
     job: &RenderJob,
-    denoised: Option<(Vec<[f32; 3]>, Denoiser)>,
+    denoised: Option<(&[[f32; 3]], Denoiser)>,
     output: &PicturePath,
 ) -> Result<(), rilievo_io::Error> {
     let image = job.scene.camera().resolution();
     let whole = film.is_complete() && !job.is_part();
     let rest = (output.format == PictureFormat::Exr && !whole)
         .then(|| Remainder::of(film, image, &job.fingerprint.to_string()));
-    Finished { denoised, ..finished(film, job, rest.as_ref()) }.write(output)
-}
-
-fn finished<'a>(
-    film: &'a Film,
-    job: &'a RenderJob,
-    remainder: Option<&'a Remainder>,
-) -> Finished<'a> {
-    Finished {
+    let finished = Finished {
         film,
         kind: &job.kind,
         tone_map: job.tone_map,
-        denoised: None,
+        denoised,
         stored: job.stored,
         blocks: job.blocks,
-        camera: job.scene.camera(),
-        settings: job.scene.settings(),
-        samples: job.samples,
-        remainder,
-    }
+        about: job.about(),
+        remainder: rest.as_ref(),
+    };
+    finished.write(output)
 }
 
 /// What there is to go on from.
@@ -119,17 +109,14 @@ pub fn before(args: &RenderArgs, job: &RenderJob) -> Result<Before, Failure> {
     let refuse =
         |why: &str| Err(Failure::Refused(format!("{}: {why}; write another file", path.display())));
     let limits = Limits::default();
-    let empty = rilievo_render::begin(&job.scene, &job.options()).map_err(Failure::refused)?;
+    let asked = rilievo_render::check(&job.scene, &job.options()).map_err(Failure::refused)?;
     let Some(file) = FilmFile::read(path, &limits)? else {
-        let picture = ChannelImage::read(path, &limits)?;
-        let mut asked = finished(&empty, job, None).attributes();
-        for (name, value) in &mut asked {
-            if name == "rilievo/complete" {
-                *value = rilievo_io::image::Attribute::Integer(1);
-            }
-        }
-        let same = asked.iter().all(|(name, value)| picture.attribute(name) == Some(value))
-            && [picture.width, picture.height] == empty.resolution();
+        let picture = Header::read(path, &limits)?;
+        let about = job.about().attributes(true, args.denoise);
+        let same = picture.is_some_and(|picture| {
+            about.iter().all(|(name, value)| picture.attribute(name) == Some(value))
+                && picture.size == asked.0.size
+        });
         return match same && !job.is_part() {
             true => Ok(Before::Picture),
             false => refuse("no unfinished picture of this render"),
@@ -138,7 +125,7 @@ pub fn before(args: &RenderArgs, job: &RenderJob) -> Result<Before, Failure> {
     if file.fingerprint != job.fingerprint.to_string() {
         return refuse("a picture of another scene, or with other settings or another seed");
     }
-    if (file.film.window(), file.film.samples()) != (empty.window(), empty.samples()) {
+    if (file.film.window(), file.film.samples()) != asked {
         return refuse("another part of this render");
     }
     Ok(Before::Film(file.film))

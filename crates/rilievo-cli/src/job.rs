@@ -18,7 +18,7 @@ use crate::args::{RenderArgs, Talk};
 use crate::memory::predicted_bytes;
 use crate::name;
 use crate::outcome::Failure;
-use crate::picture::PictureKind;
+use crate::picture::{About, PictureKind};
 use crate::progress::Progress;
 use crate::report;
 use crate::stopwatch::{Elapsed, Stopwatch};
@@ -124,7 +124,7 @@ impl RenderJob {
         }
         job.memory = MemoryUse::predict(&job.scene, &job.options());
         let window = job.window().size;
-        job.predicted_bytes = predicted_bytes(&job.memory, window, job.bytes_per_pixel(args));
+        job.predicted_bytes = predicted_bytes(&job.memory, job.writing_bytes(args));
         if args.denoise.is_some() {
             job.predicted_bytes += denoise::predicted_bytes(window);
         }
@@ -149,17 +149,22 @@ impl RenderJob {
             || self.sample_range.is_some_and(|range| range != [0, self.samples])
     }
 
-    /// Bytes a pixel that writing takes, at most.
-    fn bytes_per_pixel(&self, args: &RenderArgs) -> u64 {
+    /// What an EXR says of it.
+    pub fn about(&self) -> About<'_> {
+        let scene = &self.scene;
+        About { camera: scene.camera(), settings: scene.settings(), samples: self.samples }
+    }
+
+    /// Bytes that writing takes beside the film, at most.
+    fn writing_bytes(&self, args: &RenderArgs) -> u64 {
         let sums = self.scene.settings().integrator.sums();
         let rest = match args.output.format {
-            // Planes of digits and the file, compressed to less than half of them.
             PictureFormat::Exr if self.is_part() || !args.part.checkpoint.is_zero() => {
-                3 * Remainder::bytes_per_pixel(&self.layers, sums) / 2
+                Remainder::channels(&self.layers, sums)
             }
             _ => 0,
         };
-        self.kind.bytes_per_pixel() + rest
+        self.kind.writing_bytes(self.window().size, self.blocks, rest)
     }
 
     /// Two renders with one fingerprint give the same picture, and parts of it that fit together.

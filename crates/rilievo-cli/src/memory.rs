@@ -7,11 +7,9 @@ const PROCESS_BYTES: u64 = 8 << 20;
 
 /// Bytes that a render will need at its peak. There are two peaks: reading the files, where
 /// decoders hold copies, and writing the picture. The first is over when this is asked, so it is
-/// taken from the system; the second is what `render` says, the picture being written, and the
-/// process.
-pub fn predicted_bytes(render: &MemoryUse, resolution: [u32; 2], bytes_per_pixel: u64) -> u64 {
-    let pixels = u64::from(resolution[0]) * u64::from(resolution[1]);
-    let writing = render.total() + pixels * bytes_per_pixel + PROCESS_BYTES;
+/// taken from the system; the second is what `render` says, `writing` the picture, and the process.
+pub fn predicted_bytes(render: &MemoryUse, writing: u64) -> u64 {
+    let writing = render.total() + writing + PROCESS_BYTES;
     writing.max(peak_rss_bytes().unwrap_or(0))
 }
 

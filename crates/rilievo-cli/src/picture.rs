@@ -68,17 +68,28 @@ impl PictureKind {
         matches!(self, Self::Colour | Self::Channels { colour: true, .. })
     }
 
-    /// Bytes a pixel that writing takes, at most: the codes or the compressed channels.
-    pub fn bytes_per_pixel(&self) -> u64 {
+    /// Bytes that writing so many pixels takes beside the film, at most: some blocks of an EXR, with
+    /// so many channels more than the picture's, or the codes of a PNG.
+    pub fn writing_bytes(&self, size: [u32; 2], blocks: Blocks, more: usize) -> u64 {
         match self {
             Self::Channels { colour, layers } => {
                 let channels: usize = layers.iter().map(|aov| aov.channels().len()).sum();
-                4 * (channels as u64 + if *colour { 3 } else { 0 })
+                let channels = channels + if *colour { 3 } else { 0 } + more;
+                Picture::predicted_bytes(size, blocks, channels)
             }
             // The codes, their filtered copy and the compressed bytes.
-            Self::Colour | Self::Layer(_) => 9,
+            Self::Colour | Self::Layer(_) => 9 * u64::from(size[0]) * u64::from(size[1]),
         }
     }
+}
+
+/// What made a film.
+#[derive(Clone, Copy)]
+pub struct About<'a> {
+    pub camera: &'a Camera,
+    pub settings: &'a RenderSettings,
+    /// Camera rays per pixel.
+    pub samples: u32,
 }
 
 /// A film that is to be stored.
@@ -88,17 +99,15 @@ pub struct Finished<'a> {
     /// How a PNG shows the colour.
     pub tone_map: ToneMap,
     /// The colour without noise, and what took it off.
-    pub denoised: Option<(Vec<[f32; 3]>, Denoiser)>,
+    pub denoised: Option<(&'a [[f32; 3]], Denoiser)>,
     /// How an EXR keeps samples.
     pub stored: Stored,
     /// How an EXR is cut up.
     pub blocks: Blocks,
-    pub camera: &'a Camera,
-    pub settings: &'a RenderSettings,
-    /// Camera rays per pixel.
-    pub samples: u32,
+    /// What an EXR says of the render.
+    pub about: About<'a>,
     /// What an EXR of a part of a render holds beside the picture.
-    pub remainder: Option<&'a Remainder>,
+    pub remainder: Option<&'a Remainder<'a>>,
 }
 
 impl Finished<'_> {
@@ -122,7 +131,7 @@ impl Finished<'_> {
 
     /// The colour to show.
     pub fn colour(&self) -> &[[f32; 3]] {
-        self.denoised.as_ref().map_or(self.film.radiance(), |(colour, _)| colour)
+        self.denoised.map_or(self.film.radiance(), |(colour, _)| colour)
     }
 
     fn write_channels(
@@ -134,9 +143,10 @@ impl Finished<'_> {
         let part = self.remainder.is_some();
         let stored = if part { Stored::Float } else { self.stored };
         let shown = colour.then(|| self.colour());
-        let mut picture = exr(self.film, shown, stored, self.camera.resolution());
+        let mut picture = exr(self.film, shown, stored, self.about.camera.resolution());
         picture.blocks = self.blocks;
-        picture.attributes = self.attributes();
+        let denoiser = self.denoised.map(|(_, by)| by);
+        picture.attributes = self.about.attributes(self.film.is_complete(), denoiser);
         if colour && self.denoised.is_some() {
             let (names, noisy) = (["Noisy.R", "Noisy.G", "Noisy.B"], self.film.radiance());
             picture.push_interleaved(&names, noisy.as_flattened(), stored);
@@ -146,9 +156,15 @@ impl Finished<'_> {
         }
         picture.write_exr(path)
     }
+}
 
+impl About<'_> {
     /// What the file says about itself: the same for the same picture, so neither time nor threads.
-    pub fn attributes(&self) -> Vec<(String, Attribute)> {
+    pub fn attributes(
+        &self,
+        complete: bool,
+        denoiser: Option<Denoiser>,
+    ) -> Vec<(String, Attribute)> {
         let text = |name: &str, value: String| (name.to_owned(), Attribute::Text(value));
         let integer = |name: &str, value: u32| {
             let value = i32::try_from(value).unwrap_or(i32::MAX);
@@ -173,12 +189,11 @@ impl Finished<'_> {
             integer("rilievo/maxDepth", settings.max_depth),
             text("rilievo/sampler", settings.sampler.to_string()),
             text("rilievo/seed", settings.seed.to_string()),
-            integer("rilievo/complete", u32::from(self.film.is_complete())),
+            integer("rilievo/complete", u32::from(complete)),
             text("rilievo/filter", settings.filter.kind.to_string()),
             matrix("worldToCamera", camera),
         ];
-        let denoiser = self.denoised.as_ref();
-        let denoiser = denoiser.map(|(_, by)| text("rilievo/denoiser", by.name().to_owned()));
+        let denoiser = denoiser.map(|by| text("rilievo/denoiser", by.name().to_owned()));
         let mut all: Vec<_> = own.into_iter().chain(ndc).chain(denoiser).collect();
         // As they are read back, so that joined parts write the same file.
         all.sort_by(|a, b| a.0.cmp(&b.0));

@@ -99,9 +99,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
             Some(denoiser) => Some((denoiser.run(&film, args.threads)?, denoiser)),
             None => None,
         };
-        let shown = denoised.as_ref().map_or(film.radiance(), |(colour, _)| colour).to_vec();
+        let denoised = denoised.as_ref().map(|(colour, by)| (&colour[..], *by));
         checkpoint::write(&film, &job, denoised, output)?;
-        live.close(&shown);
+        live.close(denoised.map_or(film.radiance(), |(colour, _)| colour));
     }
     let [width, height] = film.resolution();
     let report = Report {

@@ -4,7 +4,7 @@ use rilievo::map::{HeightStatistics, NormalAgreement, NormalConvention, Samples,
 use rilievo::relief::Relief;
 use rilievo_io::Limits;
 use rilievo_io::image::{
-    HeightOptions, ImageInfo, NormalOptions, SampleKind, Terrain, read_image_info,
+    Blocks, HeightOptions, ImageInfo, NormalOptions, SampleKind, Terrain, read_image_info,
 };
 use rilievo_render::{Film, MemoryUse};
 use serde::Serialize;
@@ -129,8 +129,8 @@ impl Report {
         let film = Film::predicted_bytes(resolution, &[], false);
         let memory =
             MemoryUse { heights: map_bytes, bounds: bounds_bytes, film, ..MemoryUse::default() };
-        let predicted_bytes =
-            predicted_bytes(&memory, resolution, PictureKind::Colour.bytes_per_pixel());
+        let writing = PictureKind::Colour.writing_bytes(resolution, Blocks::Lines, 0);
+        let predicted_bytes = predicted_bytes(&memory, writing);
         // After the prediction: sorting values takes memory that no render needs.
         let HeightStatistics { levels, seams: [u, v] } = HeightStatistics::of(heights);
         Self {

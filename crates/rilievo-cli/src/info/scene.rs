@@ -2,6 +2,7 @@
 
 use rilievo::relief::Relief;
 use rilievo::surface::Surface;
+use rilievo_io::image::Blocks;
 use rilievo_io::scene::{LoadOptions, LoadedMap, LoadedScene, LoadedSphereMap};
 use rilievo_render::{MemoryUse, RenderOptions, Scene};
 use serde::Serialize;
@@ -135,8 +136,7 @@ impl Report {
             film_bytes: memory.film,
             predicted_bytes: predicted_bytes(
                 &memory,
-                resolution,
-                PictureKind::Colour.bytes_per_pixel(),
+                PictureKind::Colour.writing_bytes(resolution, Blocks::Lines, 0),
             ),
         };
         for surface in scene.world().surfaces() {

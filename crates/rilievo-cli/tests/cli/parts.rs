@@ -38,6 +38,19 @@ fn parts_merge_to_the_file_of_one_run() {
 }
 
 #[test]
+fn what_is_kept_to_go_on_with_takes_no_memory_of_its_own() {
+    let folder = Folder::new().with_scene();
+    for flags in ["", "--resume"] {
+        let part = format!("--resolution 640x512 --sample-range 0..1 -o part.exr {flags} --json");
+        let json = folder.run(&format!("{RENDER} {part}")).expect(0).json();
+        let Some(peak) = json["peak_rss_bytes"].as_u64() else { return };
+        // A plane of one digit has 1.3 MB, and there are twenty.
+        let predicted = json["predicted_bytes"].as_u64().unwrap();
+        assert!(peak < predicted + predicted / 10 + 6_000_000, "{flags}: {peak}, {predicted}");
+    }
+}
+
+#[test]
 fn parts_are_pictures() {
     let folder = Folder::new().with_scene();
     folder.run(&format!("{RENDER} -o whole.exr")).expect(0);

@@ -18,7 +18,7 @@ use exr::prelude::{Vec2, f16};
 
 use super::ImageFormat;
 use super::channels::{Attribute, Channel, ChannelImage};
-use super::source::{Context, Flow, ImageInfo, Input, SampleKind, Sink};
+use super::source::{Context, Flow, ImageInfo, Input, SampleKind, Sink, Source};
 use crate::error::{Place, Result};
 
 /// Decodes the channels of a height map or a texture.
@@ -167,6 +167,27 @@ impl<'a> File<'a> {
 
     /// The samples of some channels of a layer, interleaved, top row first.
     fn samples(self, layer: usize, channels: &[usize]) -> Result<Vec<f32>> {
+        let size = self.headers()[layer].layer_size;
+        let stride = channels.len();
+        let mut samples = vec![0.0; size.0 * size.1 * stride];
+        self.lines(layer, channels, &mut |line| {
+            let start = (line.y * size.0 + line.x) * stride + line.channel;
+            for (to, from) in samples[start..].iter_mut().step_by(stride).zip(line.samples) {
+                *to = *from;
+            }
+            Ok(())
+        })?;
+        Ok(samples)
+    }
+
+    /// Hands on the lines of some channels of a layer, each once, block by block. A line's channel is
+    /// its place among `channels`.
+    fn lines(
+        self,
+        layer: usize,
+        channels: &[usize],
+        put: &mut dyn FnMut(Line<'_>) -> Result<()>,
+    ) -> Result<()> {
         let Self { context, reader } = self;
         let damaged = |e: exr::error::Error| context.damaged(e);
         let header = reader.headers()[layer].clone();
@@ -178,14 +199,10 @@ impl<'a> File<'a> {
         }
         let block = u64::try_from(header.max_block_byte_size()).unwrap_or(u64::MAX);
         context.limits.check(context.path, Place::Header, "decoding a block", &[block])?;
-        let size = header.layer_size;
-        let mut canvas = Canvas {
-            width: size.0,
-            height: size.1,
-            stride: channels.len(),
-            seen: vec![0; size.1],
-            samples: vec![0.0; size.0 * size.1 * channels.len()],
-        };
+        let Vec2(width, height) = header.layer_size;
+        // Samples that came, by row.
+        let mut seen = vec![0; height];
+        let mut samples = Vec::new();
         let mut chunks = reader.all_chunks(false).map_err(damaged)?;
         while let Some(chunk) = chunks.read_next_chunk() {
             let chunk: Chunk = chunk.map_err(damaged)?;
@@ -202,56 +219,74 @@ impl<'a> File<'a> {
                     continue;
                 };
                 let kind = header.channels.list[line.location.channel].sample_type;
-                let at = line.location.position;
-                let fits = canvas.put(at, slot, kind, line.value).map_err(damaged)?;
-                if !fits {
+                let Vec2(x, y) = line.location.position;
+                decode_line(kind, line.value, &mut samples).map_err(damaged)?;
+                let end = x.checked_add(samples.len());
+                if y >= height || end.is_none_or(|end| end > width) {
                     return Err(context.damaged("a block outside the data window"));
                 }
+                seen[y] += samples.len();
+                put(Line { channel: slot, x, y, samples: &samples })?;
             }
         }
-        if canvas.seen.iter().any(|&seen| seen != size.0 * channels.len()) {
+        if seen.iter().any(|&seen| seen != width * channels.len()) {
             return Err(context.damaged("blocks are missing or stored twice"));
         }
-        Ok(canvas.samples)
+        Ok(())
     }
 }
 
-/// Where lines of samples are put together.
-struct Canvas {
-    width: usize,
-    height: usize,
-    /// Channels a pixel.
-    stride: usize,
-    /// Samples that came, by row.
-    seen: Vec<usize>,
-    samples: Vec<f32>,
+/// A piece of a row of one channel.
+pub(crate) struct Line<'a> {
+    /// Which channel.
+    pub channel: usize,
+    /// The column of its first sample.
+    pub x: usize,
+    /// Its row.
+    pub y: usize,
+    /// Its samples.
+    pub samples: &'a [f32],
 }
 
-impl Canvas {
-    /// Places a line of one channel; `false` if it does not fit.
-    fn put(
-        &mut self,
-        at: Vec2<usize>,
-        slot: usize,
-        kind: SampleType,
-        bytes: &[u8],
-    ) -> exr::error::Result<bool> {
-        let count = bytes.len() / kind.bytes_per_sample();
-        let end = at.0.checked_add(count);
-        if at.1 >= self.height || end.is_none_or(|end| end > self.width) {
-            return Ok(false);
-        }
-        self.seen[at.1] += count;
-        let start = (at.1 * self.width + at.0) * self.stride + slot;
-        let to = self.samples[start..].iter_mut().step_by(self.stride).take(count);
-        let mut bytes = bytes;
-        for to in to {
-            *to = match kind {
-                SampleType::F16 => f16::read_ne(&mut bytes)?.to_f32(),
-                SampleType::F32 => f32::read_ne(&mut bytes)?,
-                SampleType::U32 => u32::read_ne(&mut bytes)? as f32,
-            };
-        }
-        Ok(true)
+fn decode_line(kind: SampleType, mut bytes: &[u8], to: &mut Vec<f32>) -> exr::error::Result<()> {
+    to.clear();
+    for _ in 0..bytes.len() / kind.bytes_per_sample() {
+        to.push(match kind {
+            SampleType::F16 => f16::read_ne(&mut bytes)?.to_f32(),
+            SampleType::F32 => f32::read_ne(&mut bytes)?,
+            SampleType::U32 => u32::read_ne(&mut bytes)? as f32,
+        });
+    }
+    Ok(())
+}
+
+/// An EXR file whose header has been read, and whose lines are taken one by one: nothing holds all of
+/// it.
+pub(crate) struct ExrLines<'a> {
+    file: File<'a>,
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The channels of the first layer.
+    pub names: Vec<String>,
+    /// Its attributes.
+    pub attributes: Vec<(String, Attribute)>,
+}
+
+impl<'a> ExrLines<'a> {
+    /// Reads the header. To be called, and read, under [`crate::guard::guarded`].
+    pub fn open(source: Source<'a>) -> Result<Self> {
+        let file = File::open(source.context, source.input)?;
+        let header = &file.headers()[0];
+        let [width, height] = [header.layer_size.0, header.layer_size.1].map(side);
+        let (names, attributes) = (file.names(0), attributes(header));
+        Ok(Self { file, width, height, names, attributes })
+    }
+
+    /// Hands on every line of every channel, by its place among `names`.
+    pub fn each(self, put: &mut dyn FnMut(Line<'_>) -> Result<()>) -> Result<()> {
+        let all: Vec<_> = (0..self.names.len()).collect();
+        self.file.lines(0, &all, put)
     }
 }

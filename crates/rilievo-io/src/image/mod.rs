@@ -40,19 +40,21 @@ use std::path::Path;
 
 pub use channels::{Attribute, Channel, ChannelImage};
 pub use colour::{read_colour, read_colour_bytes};
+pub(crate) use exr::{ExrLines, Line};
 pub use height::HeightOptions;
 pub use normal::NormalOptions;
+pub(crate) use source::Source;
 pub use source::{ImageInfo, SampleKind};
 pub use terrain::Terrain;
 pub use udim::Udim;
 pub(crate) use udim::{MARK, number};
-pub use write_exr::{Blocks, Crop, Picture, PictureChannel, Stored};
+pub use write_exr::{Blocks, Crop, Picture, PictureChannel, Stored, Values};
 pub use write_png::{write_png_grey16, write_png_rgb8, write_png_rgb16};
 
 use crate::error::Result;
 use crate::guard::guarded;
 use crate::limits::Limits;
-use source::{Flow, Row, Sink, Source};
+use source::{Flow, Row, Sink};
 
 /// The image formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

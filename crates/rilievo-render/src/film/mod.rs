@@ -146,22 +146,24 @@ impl Film {
     }
 
     /// Puts back what a film of this window, these samples and these layers held: which pixels are
-    /// finished, the sums if it keeps some, or else the colour, if it was kept, and each layer. `None`
-    /// if anything is missing or too long.
+    /// finished, the integers and counts of its sums ([`Sums`]) if it kept some, or else the colour,
+    /// if it was kept, and each layer. To be asked of a film without sums, so that they are held once.
+    /// `None` if anything is missing or too long, or if no samples add up to such sums.
     #[must_use]
     pub fn restored(
         mut self,
         finished: Vec<bool>,
-        sums: Option<Sums>,
+        sums: Option<(Vec<i128>, Vec<Counts>)>,
         radiance: Option<Vec<f32>>,
         layers: Vec<Vec<f32>>,
     ) -> Option<Self> {
-        if finished.len() != self.finished.len() || sums.is_some() != self.sums.is_some() {
+        if finished.len() != self.finished.len() || self.sums.is_some() {
             return None;
         }
         self.finished = finished;
-        if sums.is_some() {
-            self.sums = sums;
+        if let Some((values, counts)) = sums {
+            let aovs: Vec<Aov> = self.layers.iter().map(Layer::aov).collect();
+            self.sums = Some(Sums::checked(self.resolution, aovs, values, counts)?);
             self.store_sums();
             return Some(self);
         }

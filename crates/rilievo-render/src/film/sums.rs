@@ -109,13 +109,19 @@ impl Sums {
         &self.counts
     }
 
-    /// The sums of the same pixels with integers and counts as [`Self::values`] and [`Self::counts`] gave them. `None` if
-    /// there are more or fewer of them than pixels ask for, or any that no samples add up to.
-    #[must_use]
-    pub fn restored(&self, values: Vec<i128>, counts: Vec<Counts>) -> Option<Self> {
-        let lengths = values.len() == self.values.len() && counts.len() == self.counts.len();
+    /// Sums with integers and counts as [`Self::values`] and [`Self::counts`] gave them. `None` if there
+    /// are more or fewer of them than pixels ask for, or any that no samples add up to.
+    pub(crate) fn checked(
+        size: [u32; 2],
+        aovs: Vec<Aov>,
+        values: Vec<i128>,
+        counts: Vec<Counts>,
+    ) -> Option<Self> {
+        let pixels = (size[0] as usize).checked_mul(size[1] as usize)?;
+        let lengths =
+            Some(values.len()) == pixels.checked_mul(stride(&aovs)) && counts.len() == pixels;
         // A sample adds at most 2^40 units of 2^-56.
-        let values_hold = values.chunks(stride(&self.aovs)).zip(&counts).all(|(values, counts)| {
+        let values_hold = values.chunks(stride(&aovs)).zip(&counts).all(|(values, counts)| {
             let limit = u128::from(counts.taken) << 96;
             values.iter().all(|v| v.unsigned_abs() <= limit)
         });
@@ -126,10 +132,7 @@ impl Sums {
                 && c.hits <= c.seen
                 && c.taken <= 1 << 20
         });
-        (lengths && values_hold && counts_hold).then(|| {
-            let (size, aovs) = (self.size, self.aovs.clone());
-            Self { size, aovs, values, counts }
-        })
+        (lengths && values_hold && counts_hold).then_some(Self { size, aovs, values, counts })
     }
 
     /// A pixel, to be added to.
@@ -402,7 +405,7 @@ mod tests {
         let restored = |change: &dyn Fn(&mut Vec<i128>, &mut Counts)| {
             let (mut values, mut counts) = (sums.values.clone(), sums.counts.clone());
             change(&mut values, &mut counts[0]);
-            Sums::new([1, 1], &[Aov::P]).unwrap().restored(values, counts)
+            Sums::checked([1, 1], vec![Aov::P], values, counts)
         };
         assert_eq!(restored(&|_, _| {}), Some(sums.clone()));
         assert_eq!(restored(&|values, _| values[0] = i128::MAX), None);

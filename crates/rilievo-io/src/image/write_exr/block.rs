@@ -11,7 +11,7 @@ use exr::prelude::f16;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::{Picture, Stored};
+use super::{Picture, Stored, Values};
 
 /// Buffers of one block.
 #[derive(Default)]
@@ -34,12 +34,15 @@ impl Scratch {
         for line in y {
             for channel in order.iter().map(|&c| &picture.channels[c]) {
                 let first = line as usize * picture.width as usize + x.start as usize;
-                let values = channel.values[first * channel.stride..].iter();
-                let values = values.step_by(channel.stride).take(x.len());
                 self.raw.reserve(channel.stored.bytes() * x.len());
-                match channel.stored {
-                    Stored::Float => values.for_each(|v| self.raw.extend(v.to_le_bytes())),
-                    Stored::Half => values.for_each(|&v| self.raw.extend(half(v).to_le_bytes())),
+                match &channel.values {
+                    &Values::Kept { values, stride } => {
+                        let values = values[first * stride..].iter();
+                        self.store(channel.stored, values.step_by(stride).take(x.len()).copied());
+                    }
+                    Values::Made(value) => {
+                        self.store(channel.stored, (first..first + x.len()).map(|at| value(at)));
+                    }
                 }
             }
         }
@@ -59,6 +62,13 @@ impl Scratch {
         encoder.write_all(&self.split)?;
         encoder.finish()?;
         Ok(())
+    }
+
+    fn store(&mut self, stored: Stored, values: impl Iterator<Item = f32>) {
+        match stored {
+            Stored::Float => values.for_each(|v| self.raw.extend(v.to_le_bytes())),
+            Stored::Half => values.for_each(|v| self.raw.extend(half(v).to_le_bytes())),
+        }
     }
 
     /// What goes into the file.

@@ -17,8 +17,10 @@
 mod block;
 mod header;
 
-use std::io::{self, Write};
+use std::fmt;
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use super::channels::{Attribute, ChannelImage};
 use crate::atomic;
@@ -60,6 +62,16 @@ pub enum Blocks {
     Tiles(u32),
 }
 
+impl Blocks {
+    /// Pixels of a block of a picture so many pixels wide, along x and y.
+    fn size(self, width: u32) -> [u32; 2] {
+        match self {
+            Self::Lines => [width, BLOCK],
+            Self::Tiles(side) => [side; 2],
+        }
+    }
+}
+
 /// A picture to be written: borrowed channels of one size, top row first.
 #[derive(Clone, Debug, Default)]
 pub struct Picture<'a> {
@@ -86,17 +98,39 @@ pub struct Crop {
     pub full: [u32; 2],
 }
 
-/// A channel of a [`Picture`]: every `stride`-th value of `values`.
+/// A channel of a [`Picture`].
 #[derive(Clone, Debug)]
 pub struct PictureChannel<'a> {
     /// Its name, such as `R` or `P.X`.
     pub name: String,
     /// The values; the first is that of the top left pixel.
-    pub values: &'a [f32],
-    /// Distance between the values of neighbouring pixels.
-    pub stride: usize,
+    pub values: Values<'a>,
     /// How they are stored.
     pub stored: Stored,
+}
+
+/// Where the values of a channel come from.
+#[derive(Clone)]
+pub enum Values<'a> {
+    /// They are every so many of a slice.
+    Kept {
+        /// The slice, which begins with the value of the top left pixel.
+        values: &'a [f32],
+        /// Distance between the values of neighbouring pixels.
+        stride: usize,
+    },
+    /// Each is made when it is written, from the place of its pixel, row by row from the top left: no
+    /// plane of them is ever held.
+    Made(Arc<dyn Fn(usize) -> f32 + Send + Sync + 'a>),
+}
+
+impl fmt::Debug for Values<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Kept { values, stride } => write!(f, "{} values / {stride}", values.len()),
+            Self::Made(_) => f.write_str("values made when written"),
+        }
+    }
 }
 
 impl<'a> Picture<'a> {
@@ -104,8 +138,17 @@ impl<'a> Picture<'a> {
     pub fn push_interleaved(&mut self, names: &[&str], values: &'a [f32], stored: Stored) {
         for (c, name) in names.iter().enumerate() {
             let (name, values) = ((*name).to_owned(), values.get(c..).unwrap_or(&[]));
-            self.channels.push(PictureChannel { name, values, stride: names.len(), stored });
+            let values = Values::Kept { values, stride: names.len() };
+            self.channels.push(PictureChannel { name, values, stored });
         }
+    }
+
+    /// Bytes that writing a picture of such a size and so many channels holds beside it, at most: some
+    /// copies of a block.
+    pub fn predicted_bytes([width, height]: [u32; 2], blocks: Blocks, channels: usize) -> u64 {
+        let [x, y] = blocks.size(width);
+        let pixels = u64::from(x.min(width)) * u64::from(y.min(height));
+        3 * pixels * (Stored::Float.bytes() * channels) as u64
     }
 
     /// Writes the picture to `path`, whole or not at all.
@@ -151,8 +194,9 @@ impl<'a> Picture<'a> {
         }
         let pixels = self.width as usize * self.height as usize;
         for channel in &self.channels {
-            let found = channel.values.len().div_ceil(channel.stride.max(1));
-            if channel.stride == 0 || found < pixels {
+            let Values::Kept { values, stride } = channel.values else { continue };
+            let found = values.len().div_ceil(stride.max(1));
+            if stride == 0 || found < pixels {
                 let found = format!("{found} values in channel {}", channel.name);
                 return invalid("channel", found, "one for each pixel");
             }
@@ -174,23 +218,23 @@ impl<'a> Picture<'a> {
         self.crop.unwrap_or(Crop { corner: [0, 0], full: [self.width, self.height] })
     }
 
-    fn encode(&self, order: &[usize], out: &mut impl Write) -> io::Result<()> {
+    fn encode(&self, order: &[usize], out: &mut (impl Write + Seek)) -> io::Result<()> {
         let header = self.header(order);
         out.write_all(&header)?;
-        let side = match self.blocks {
-            Blocks::Lines => [self.width, BLOCK],
-            Blocks::Tiles(side) => [side; 2],
-        };
+        let side = self.blocks.size(self.width);
         let [columns, rows] = [self.width.div_ceil(side[0]), self.height.div_ceil(side[1])];
         let count = columns as usize * rows as usize;
-        // Offsets come before the blocks but are known after them: one pass compresses, then all is
-        // written. Compressed blocks are far smaller than the picture they come from.
-        let mut data = Vec::new();
-        let mut offsets = Vec::with_capacity(count);
-        let first = header.len() + 8 * count;
+        // Offsets come before the blocks but are known after them: their place is left empty first, so
+        // that no more than one block is held.
+        let mut offsets = vec![0_u8; 8 * count];
+        out.write_all(&offsets)?;
+        let mut at = (header.len() + offsets.len()) as u64;
+        let mut table = offsets.chunks_exact_mut(8);
         let mut scratch = Scratch::default();
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |c| (row, c))) {
-            offsets.push((first + data.len()) as u64);
+            if let Some(entry) = table.next() {
+                entry.copy_from_slice(&at.to_le_bytes());
+            }
             let x = column * side[0]..self.width.min((column + 1).saturating_mul(side[0]));
             let y = row * side[1]..self.height.min((row + 1).saturating_mul(side[1]));
             scratch.pack(self, order, x, y.clone())?;
@@ -200,14 +244,14 @@ impl<'a> Picture<'a> {
                 Blocks::Tiles(_) => &[column, row, 0, 0],
             };
             for &number in place.iter().chain([&(bytes.len() as u32)]) {
-                data.extend_from_slice(&(number as i32).to_le_bytes());
+                out.write_all(&(number as i32).to_le_bytes())?;
+                at += 4;
             }
-            data.extend_from_slice(bytes);
+            out.write_all(bytes)?;
+            at += bytes.len() as u64;
         }
-        for offset in offsets {
-            out.write_all(&offset.to_le_bytes())?;
-        }
-        out.write_all(&data)
+        out.seek(SeekFrom::Start(header.len() as u64))?;
+        out.write_all(&offsets)
     }
 }
 
@@ -217,8 +261,7 @@ impl ChannelImage {
         let channels = (self.channels.iter())
             .map(|c| PictureChannel {
                 name: c.name.clone(),
-                values: &c.samples,
-                stride: 1,
+                values: Values::Kept { values: &c.samples, stride: 1 },
                 stored: Stored::Float,
             })
             .collect();
