@@ -69,6 +69,19 @@ impl Bvh {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds)
     }
 
+    /// Items under a node.
+    fn below(&self, node: u32) -> &[u32] {
+        let (mut first, mut last) = (node, node);
+        while self.nodes[first as usize].count == 0 {
+            first += 1;
+        }
+        while self.nodes[last as usize].count == 0 {
+            last = self.nodes[last as usize].first;
+        }
+        let (first, last) = (&self.nodes[first as usize], &self.nodes[last as usize]);
+        &self.items[first.first as usize..(last.first + last.count) as usize]
+    }
+
     /// Memory held, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(self.nodes.as_slice()) + size_of_val(self.items.as_slice())) as u64

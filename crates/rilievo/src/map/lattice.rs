@@ -49,8 +49,12 @@ pub struct Axis {
     samples: u32,
     lattice: Lattice,
     wrap: Wrap,
-    /// Lattice coordinate at which stored cell 0 begins, 0 or -1: follows from the others.
+    /// Lattice coordinate at which stored cell 0 begins, 0 or -1: follows from those above, as all below.
     first: i32,
+    /// Number of stored cells.
+    cells: u32,
+    /// One past the last unfolded cell of the map itself.
+    end: i32,
 }
 
 /// A run of unfolded cells that shows stored cells in order: cell `start + k` shows
@@ -92,7 +96,15 @@ impl Axis {
             (_, Wrap::Clamp) | (Lattice::Texel, Wrap::Mirror) => -1,
             _ => 0,
         };
-        Self { samples, lattice, wrap, first }
+        let cells = match (lattice, wrap) {
+            (_, Wrap::Clamp) | (Lattice::Texel, Wrap::Mirror) => samples + 1,
+            (Lattice::Texel, Wrap::Repeat) => samples,
+            (Lattice::Vertex, _) => samples - 1,
+        };
+        // The last stored cell of mirrored texels belongs to the reflected map.
+        let mirrored = (lattice, wrap) == (Lattice::Texel, Wrap::Mirror);
+        let end = first + cells as i32 - i32::from(mirrored);
+        Self { samples, lattice, wrap, first, cells, end }
     }
 
     /// Number of samples.
@@ -143,11 +155,7 @@ impl Axis {
     /// Number of stored cells.
     #[inline]
     pub fn cells(&self) -> u32 {
-        match (self.lattice, self.wrap) {
-            (_, Wrap::Clamp) | (Lattice::Texel, Wrap::Mirror) => self.samples + 1,
-            (Lattice::Texel, Wrap::Repeat) => self.samples,
-            (Lattice::Vertex, _) => self.samples - 1,
-        }
+        self.cells
     }
 
     /// Lattice coordinate at which stored cell 0 begins in the unfolded axis: 0 or -1.
@@ -173,18 +181,11 @@ impl Axis {
     #[inline(always)]
     pub fn run(&self, i: i32) -> Run {
         // The map itself, without a division.
-        let (start, len) = (self.first_cell(), self.cells() as i32);
-        if i >= start && i < start + len - i32::from(self.mirrors_texels()) {
-            let len = len - i32::from(self.mirrors_texels());
-            return Run { start, len, first: 0, flipped: false };
+        if i >= self.first && i < self.end {
+            let len = self.end - self.first;
+            return Run { start: self.first, len, first: 0, flipped: false };
         }
         self.outer_run(i)
-    }
-
-    /// Whether the last stored cell belongs to the reflected map.
-    #[inline]
-    fn mirrors_texels(&self) -> bool {
-        (self.lattice, self.wrap) == (Lattice::Texel, Wrap::Mirror)
     }
 
     /// The run that holds unfolded cell `i`, in any repetition.

@@ -75,7 +75,7 @@ impl ReliefMesh {
     /// Length of a lift from a prism.
     fn lift(&self, prism: &Prism, start: DVec3) -> f64 {
         let rounding = prism.rounding(self.reach) + 2.0 * f64::EPSILON * start.abs().max_element();
-        SPARE * rounding * (1.0 + prism.steepness)
+        SPARE * rounding * (1.0 + prism.steepness())
     }
 
     /// Derivatives of the shell along the weights of the second and third corner and along the

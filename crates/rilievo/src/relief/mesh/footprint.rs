@@ -24,15 +24,19 @@ pub(super) struct Area {
 impl Area {
     #[inline(always)]
     pub fn of([a, b, c]: [[f64; 2]; 3]) -> Self {
-        let least = |k: usize| a[k].min(b[k]).min(c[k]);
-        let most = |k: usize| a[k].max(b[k]).max(c[k]);
+        // By comparisons: lattice coordinates are no NaN.
+        let lesser = |x: f64, y: f64| if x < y { x } else { y };
+        let larger = |x: f64, y: f64| if x > y { x } else { y };
+        let least = |k: usize| lesser(lesser(a[k], b[k]), c[k]);
+        let most = |k: usize| larger(larger(a[k], b[k]), c[k]);
         Self { low: [least(0), least(1)], high: [most(0), most(1)] }
     }
 
     /// The longer side.
     #[inline(always)]
     pub fn extent(&self) -> f64 {
-        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
+        let (width, height) = (self.high[0] - self.low[0], self.high[1] - self.low[1]);
+        if width > height { width } else { height }
     }
 
     /// First cell and one past the last cell along each axis that the widened box touches.

@@ -6,7 +6,7 @@
 //! S(p) = S(c) + J d + d_h (N_x d_x + N_y d_y),     J = [P_x + h N_x | P_y + h N_y | N(c)]
 //! ```
 //!
-//! Let `M` be any matrix, in practice the computed inverse of `J`, and `q(t) = c + M (O + t D - S(c))`.
+//! Let `M` be any matrix, in practice the computed inverse of `J` in `f32`, and `q(t) = c + M (O + t D - S(c))`.
 //! If the ray meets the shell at `p` and `t`, then `O + t D = S(p)`, so
 //!
 //! ```text
@@ -54,7 +54,8 @@ use super::prism::Sheet;
 pub(super) struct Frame {
     /// Where the centre lies.
     at: DVec3,
-    lattice_from_space: DMat3,
+    /// `M`, its columns.
+    lattice_from_space: [[f32; 3]; 3],
     /// `A` and `B`.
     bend: [[f32; 3]; 2],
     /// Bound on the remainder over the region, per coordinate.
@@ -101,7 +102,7 @@ const MOST: f64 = 1e30;
 impl Frame {
     pub const BLIND: Self = Self {
         at: DVec3::ZERO,
-        lattice_from_space: DMat3::ZERO,
+        lattice_from_space: [[0.0; 3]; 3],
         bend: [[0.0; 3]; 2],
         error: [f32::INFINITY; 3],
         noise: [f32::INFINITY; 3],
@@ -115,7 +116,10 @@ impl Frame {
 
     pub fn about(sheet: &Sheet, centre: DVec3, region: &Region, rounding: f64) -> Self {
         let jacobian = sheet.jacobian(centre);
-        let inverse = jacobian.inverse();
+        let exact = jacobian.inverse();
+        let columns = [exact.x_axis, exact.y_axis, exact.z_axis].map(|v| v.as_vec3().to_array());
+        // From here on `M` is what is stored.
+        let inverse = wide(columns);
         if !inverse.is_finite() {
             return Self::BLIND;
         }
@@ -147,7 +151,7 @@ impl Frame {
         let up = |v: DVec3| v.to_array().map(|x| (x as f32).next_up());
         Self {
             at: sheet.point(centre),
-            lattice_from_space: inverse,
+            lattice_from_space: columns,
             bend: stored.map(|v| v.to_array()),
             error: up(error),
             noise: up(noise),
@@ -160,9 +164,10 @@ impl Frame {
         if self.is_blind() {
             return Path::BLIND;
         }
+        let lattice_from_space = wide(self.lattice_from_space);
         Path {
-            start: centre + self.lattice_from_space * (origin - self.at),
-            speed: self.lattice_from_space * direction,
+            start: centre + lattice_from_space * (origin - self.at),
+            speed: lattice_from_space * direction,
             error: widened(self.error),
         }
     }
@@ -178,6 +183,11 @@ impl Frame {
             noise: widened(self.noise),
         }
     }
+}
+
+#[inline(always)]
+fn wide([x, y, z]: [[f32; 3]; 3]) -> DMat3 {
+    DMat3::from_cols(widened(x), widened(y), widened(z))
 }
 
 #[inline(always)]

@@ -212,7 +212,7 @@ impl ReliefMesh {
             }
             None => (tx + along_x * up).cross(ty + along_y * up),
         };
-        let normal = (prism.winding * normal).try_normalize().unwrap_or(geometric);
+        let normal = (prism.winding() * normal).try_normalize().unwrap_or(geometric);
         if normal.dot(geometric) > 0.0 { normal } else { geometric }
     }
 

@@ -80,8 +80,7 @@ pub struct ReliefMesh {
     /// One a triangle.
     prisms: Vec<Prism>,
     walls: Vec<Wall>,
-    /// Items of the tree: prisms, then walls after all prisms.
-    items: Vec<u32>,
+    /// Over prisms, and walls after all prisms.
     tree: WideBvh,
     /// Bounds all coordinates of rays in the mesh's box and of the mesh, with a factor to spare.
     reach: f64,
@@ -175,7 +174,6 @@ impl ReliefMesh {
             vertices: vertices.all,
             prisms,
             walls: seams.walls,
-            items: Vec::new(),
             tree: WideBvh::default(),
             reach,
         };
@@ -206,12 +204,11 @@ impl ReliefMesh {
     /// Builds the tree.
     fn plant(&mut self) {
         let count = self.prisms.len() as u32;
-        let mut boxes = Vec::with_capacity(self.prisms.len() + self.walls.len());
+        let mut items = Vec::with_capacity(self.prisms.len() + self.walls.len());
         for (index, prism) in (0..).zip(&self.prisms) {
             if !prism.has_no_volume() {
-                self.items.push(index);
                 let spare = 2.0 * prism.t_slack + prism.rounding(self.reach);
-                boxes.push(self.around(&prism.corners, prism.range).grown(spare));
+                items.push((index, self.around(&prism.corners, prism.range()).grown(spare)));
             }
         }
         for (index, wall) in (count..).zip(&self.walls) {
@@ -226,11 +223,10 @@ impl ReliefMesh {
                 let base = self.offsets.base();
                 range = [range[0].min(base), range[1].max(base)];
             }
-            self.items.push(index);
             let bounds = self.around(&wall.ends, range);
-            boxes.push(bounds.grown(4.0 * wall::OVERLAP * self.reach));
+            items.push((index, bounds.grown(4.0 * wall::OVERLAP * self.reach)));
         }
-        self.tree = WideBvh::build(&boxes, self.reach);
+        self.tree = WideBvh::build(&items, self.reach);
     }
 
     /// The box of vertices displaced by a range of heights.
@@ -294,8 +290,7 @@ impl ReliefMesh {
     pub fn bytes(&self) -> u64 {
         let parts = size_of_val(self.vertices.as_slice())
             + size_of_val(self.prisms.as_slice())
-            + size_of_val(self.walls.as_slice())
-            + size_of_val(self.items.as_slice());
+            + size_of_val(self.walls.as_slice());
         parts as u64 + self.data.bytes() + self.tree.bytes()
     }
 

@@ -86,7 +86,7 @@ impl Seen {
             rise: n,
             base_edges: [b - a, c - a],
             rise_edges: [o - n, p - n],
-            rounding: 32.0 * f64::EPSILON * prism.condition * size,
+            rounding: 32.0 * f64::EPSILON * prism.condition() * size,
         }
     }
 }
@@ -180,7 +180,7 @@ impl Patch for CellPatch<'_> {
         let [g, h] = self.prism.weights;
         let weights = [g[0] * u + g[1] * v, h[0] * u + h[1] * v];
         let first = 1.0 - weights[0] - weights[1];
-        let slack = 16.0 * f64::EPSILON * self.prism.condition;
+        let slack = 16.0 * f64::EPSILON * self.prism.condition();
         let off = |gx: f64, gy: f64| gx.abs() * error.x + gy.abs() * error.y + slack;
         weights[0] >= -off(g[0], g[1])
             && weights[1] >= -off(h[0], h[1])

@@ -19,7 +19,7 @@ pub(super) enum Shape {
 }
 
 /// Steeper slopes count as this steep.
-const MOST_STEEP: f64 = (1 << 20) as f64;
+const MOST_STEEP: f32 = (1 << 20) as f32;
 
 /// A base triangle made ready for rays. Heights are counted from the level of the map.
 #[derive(Clone, Debug)]
@@ -30,18 +30,18 @@ pub(super) struct Prism {
     pub lattice: [[f64; 2]; 3],
     /// Change of the second and third barycentric weight along x and y, per cell.
     pub weights: [[f64; 2]; 2],
-    /// Lowest and highest height over the footprint.
-    pub range: [f64; 2],
-    /// How much a rounding of a lattice coordinate is magnified in a weight, at least 1.
-    pub condition: f64,
+    /// Lowest and highest height over the footprint, rounded outwards.
+    pub heights: [f32; 2],
+    /// How much a rounding of a lattice coordinate is magnified in a weight, at least 1; rounded up.
+    condition: f32,
+    /// Bound on the slope of the surface against its base, so that a lift clears it; rounded up.
+    steepness: f32,
     pub shape: Shape,
-    /// 1 where uv run as the corners do, -1 where they are mirrored.
-    pub winding: f64,
+    /// Whether uv run against the corners.
+    mirrored: bool,
     /// Bound on the distance between a reported point and the ray, in scene units, beyond rounding:
     /// a margin of a cell.
     pub t_slack: f64,
-    /// Bound on the slope of the surface against its base, so that a lift clears it.
-    pub steepness: f64,
     /// The frame about [`Prism::centre`], over all of the prism.
     pub frame: Frame,
 }
@@ -52,9 +52,11 @@ impl Prism {
         corners: [u32; 3],
         vertices: &[Vertex],
         lattice: [[f64; 2]; 3],
-        range: [f64; 2],
+        [low, high]: [f64; 2],
         reach: f64,
     ) -> Self {
+        let heights = [(low as f32).next_down(), (high as f32).next_up()];
+        let range = heights.map(f64::from);
         let [a, b, c] = lattice;
         let (e, f) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
         let area = difference_of_products(e[0], f[1], e[1], f[0]);
@@ -71,12 +73,12 @@ impl Prism {
             corners,
             lattice,
             weights: if spread { weights } else { [[0.0; 2]; 2] },
-            range,
-            condition: if spread { condition } else { 4.0 },
-            shape,
-            winding: if spread && area < 0.0 { -1.0 } else { 1.0 },
-            t_slack: 0.0,
+            heights,
+            condition: if spread { (condition as f32).next_up() } else { 4.0 },
             steepness: MOST_STEEP,
+            shape,
+            mirrored: spread && area < 0.0,
+            t_slack: 0.0,
             frame: Frame::BLIND,
         };
         let size = (range[1] - range[0]).abs() + range[0].abs().max(range[1].abs());
@@ -96,7 +98,7 @@ impl Prism {
             prism.t_slack = 8.0 * MARGIN * (along_x + along_y + 4.0 * size * rise);
             let cell =
                 sheet.base_along[0].cross(sheet.base_along[1]).length() / (along_x + along_y);
-            let steepness = (range[1] - range[0]) * rise / cell;
+            let steepness = (((range[1] - range[0]) * rise / cell) as f32).next_up();
             if steepness < MOST_STEEP {
                 prism.steepness = steepness;
             }
@@ -105,10 +107,34 @@ impl Prism {
         prism
     }
 
+    /// Lowest and highest height over the footprint.
+    #[inline(always)]
+    pub fn range(&self) -> [f64; 2] {
+        self.heights.map(f64::from)
+    }
+
+    /// How much a rounding of a lattice coordinate is magnified in a weight, at least 1.
+    #[inline(always)]
+    pub fn condition(&self) -> f64 {
+        f64::from(self.condition)
+    }
+
+    /// Bound on the slope of the surface against its base.
+    #[inline(always)]
+    pub fn steepness(&self) -> f64 {
+        f64::from(self.steepness)
+    }
+
+    /// 1 where uv run as the corners do, -1 where they are mirrored.
+    #[inline(always)]
+    pub fn winding(&self) -> f64 {
+        if self.mirrored { -1.0 } else { 1.0 }
+    }
+
     /// The middle: lattice coordinates and height.
     #[inline(always)]
     pub fn centre(&self) -> DVec3 {
-        let ([a, b, c], [low, high]) = (self.lattice, self.range);
+        let ([a, b, c], [low, high]) = (self.lattice, self.range());
         let third = 1.0 / 3.0;
         let (x, y) = (a[0] + b[0] + c[0], a[1] + b[1] + c[1]);
         DVec3::new(third * x, third * y, 0.5 * (low + high))
@@ -131,7 +157,7 @@ impl Prism {
     /// quadratic in the height, so corners, ends and extremes decide.
     pub fn folds(&self, vertices: &[Vertex], base: f64) -> bool {
         let [a, b, c] = self.corners.map(|k| vertices[k as usize]);
-        let (low, high) = (self.range[0].min(base), self.range[1].max(base));
+        let (low, high) = (self.range()[0].min(base), self.range()[1].max(base));
         [a, b, c].iter().any(|corner| {
             let at = |h: f64| {
                 let edge = |end: Vertex| (end.base - a.base) + h * (end.rise - a.rise);
@@ -149,7 +175,7 @@ impl Prism {
 
     /// Bound on the distance between computed and exact points of sheet and ray, scene units.
     pub fn rounding(&self, reach: f64) -> f64 {
-        64.0 * f64::EPSILON * self.condition * reach
+        64.0 * f64::EPSILON * self.condition() * reach
     }
 
     /// The box of its footprint.

@@ -60,16 +60,14 @@ struct Items<'a> {
 impl<P: Probe> Visit<P> for Items<'_> {
     #[inline(always)]
     fn approach<L: Lanes>(&self, item: u32) {
-        let index = self.mesh.items[item as usize];
-        if let Some(prism) = self.mesh.prisms.get(index as usize) {
+        if let Some(prism) = self.mesh.prisms.get(item as usize) {
             L::fetch(prism);
         }
     }
 
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, item: u32, probe: &mut P) -> Option<f64> {
+    fn visit<L: Lanes>(&mut self, index: u32, probe: &mut P) -> Option<f64> {
         let Self { mesh, line, nearest } = self;
-        let index = mesh.items[item as usize];
         let count = mesh.prisms.len() as u32;
         let over = if index >= count {
             mesh.walls[(index - count) as usize].meet(index, mesh, line, nearest)

@@ -124,7 +124,7 @@ impl<P: Probe> March<'_, P> {
             for k in 0..2 {
                 span = path.within(span, k, [low[k] - MARGIN, high[k] + MARGIN]);
             }
-            let ([low, high], slack) = (self.cells.prism.range, self.cells.mesh.height_slack);
+            let ([low, high], slack) = (self.cells.prism.range(), self.cells.mesh.height_slack);
             span = path.within(span, 2, [low - slack, high + slack]);
         }
         if span[0] > span[1] {
@@ -164,7 +164,7 @@ impl<P: Probe> March<'_, P> {
 
     /// A frame about a part of a tile and all heights under the prism.
     fn frame_of(&self, part: Part) -> Option<Path> {
-        let [low, high] = self.cells.prism.range;
+        let [low, high] = self.cells.prism.range();
         let slack = self.cells.mesh.height_slack;
         let [x, y] = part.map(|ends| ends.map(f64::from));
         let low = DVec3::new(x[0] - MARGIN, y[0] - MARGIN, low - slack);
@@ -181,8 +181,8 @@ impl<P: Probe> March<'_, P> {
             high[k] = high[k].min(area.high[k] + MARGIN);
         }
         let slack = mesh.height_slack;
-        low.z = low.z.max(prism.range[0] - slack);
-        high.z = high.z.min(prism.range[1] + slack);
+        low.z = low.z.max(prism.range()[0] - slack);
+        high.z = high.z.min(prism.range()[1] + slack);
         // Nothing is in an empty box; a frame about its middle says nothing wrong.
         let (centre, half) = (0.5 * (low + high), 0.5 * (high - low).max(DVec3::ZERO));
         let rounding = prism.rounding(mesh.reach);

@@ -70,13 +70,13 @@ impl<P: Probe> Cells<'_, P> {
 
     #[inline(always)]
     fn wanted(&self) -> Wanted {
-        let turn = if self.mesh.options.one_sided { -self.prism.winding } else { 0.0 };
+        let turn = if self.mesh.options.one_sided { -self.prism.winding() } else { 0.0 };
         Wanted { t_max: self.nearest.limit(), turn }
     }
 
     #[inline(always)]
     fn offer(&mut self, root: &Root, cell: [i32; 2]) -> bool {
-        let front = root.turn * self.prism.winding < 0.0;
+        let front = root.turn * self.prism.winding() < 0.0;
         self.nearest.offer(Candidate { t: root.t, item: self.index, cell, at: root.at, front })
     }
 

@@ -28,7 +28,7 @@ const SPARE: f64 = 1.0 / (1 << 22) as f64;
 const FRAMES: usize = 5;
 
 /// Nodes kept without memory of their own.
-const NEAR: usize = 20;
+const NEAR: usize = 12;
 
 /// A node or block that waits.
 #[derive(Clone, Copy, Default)]
@@ -79,6 +79,7 @@ pub(super) struct Descent<'a, P> {
 /// What a walk through one tile holds.
 struct Walk {
     forward: Forward,
+    /// The prism's last; others once they are made.
     frames: [Framed; FRAMES],
     waiting: Waiting,
 }
@@ -141,9 +142,9 @@ impl<P: Probe> Descent<'_, P> {
         }
         let single = (0..2).all(|k| (part[k][1] - 1) >> bits == first[k]);
         let prism = self.cells.prism;
-        let framed = Framed { path, size: self.area.extent() * (prism.range[1] - prism.range[0]) };
-        let [low, high] = [prism.range[0] as f32, prism.range[1] as f32];
-        let heights = [low.next_down(), high.next_up()];
+        let framed =
+            Framed { path, size: self.area.extent() * (prism.range()[1] - prism.range()[0]) };
+        let heights = prism.heights;
         let mut walk = Walk {
             forward,
             frames: [framed; FRAMES],

@@ -98,7 +98,7 @@ impl<P: Probe> PrismWalk<'_, P> {
 /// The span of a path inside of a prism, widened.
 #[inline(always)]
 fn clip(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 2] {
-    let [low, high] = prism.range;
+    let [low, high] = prism.range();
     let mut span = path.within(span, 2, [low - height_slack, high + height_slack]);
     let [g, h] = prism.weights;
     let (dx, dy) = (path.start.x - prism.lattice[0][0], path.start.y - prism.lattice[0][1]);
@@ -107,7 +107,7 @@ fn clip(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 
         let start = nx * dx + ny * dy + if k == 2 { 1.0 } else { 0.0 };
         let speed = nx * path.speed.x + ny * path.speed.y;
         let room = nx.abs() * path.error.x + ny.abs() * path.error.y;
-        let slack = (nx.abs() + ny.abs()) * MARGIN + 1e-12 * prism.condition;
+        let slack = (nx.abs() + ny.abs()) * MARGIN + 1e-12 * prism.condition();
         span = keep(span, start, speed, -room - slack);
     }
     span
