@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use glam::{DVec2, DVec3};
+use rilievo::Ray;
 use rilievo::map::{CubeFace, CubeHeights, HeightMap, Layout, Tiling};
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{
@@ -117,6 +118,17 @@ fn mesh(
 }
 
 impl Displaced {
+    /// Parameter of the nearest crossing.
+    pub fn first_crossing(&self, ray: &Ray) -> Option<f64> {
+        match &self.surface {
+            Surface::ReliefMesh(mesh) => mesh.first_crossing(ray, &mut ()).map(|found| found.t),
+            Surface::ReliefSphere(sphere) => {
+                sphere.first_crossing(ray, &mut ()).map(|found| found.t)
+            }
+            other => other.closest(ray, &mut ()).map(|hit| hit.t),
+        }
+    }
+
     /// The same surface in triangles, two for each texel cut in `density` along both sides.
     pub fn tessellate(&self, density: u32) -> Triangles {
         let mut to = Triangles::default();
@@ -207,7 +219,6 @@ fn spot() -> Result<MeshData, String> {
 mod tests {
     use super::*;
     use crate::map::MapName;
-    use rilievo::Ray;
 
     #[test]
     fn the_tessellation_lies_on_the_surface() {

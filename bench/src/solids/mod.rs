@@ -1,8 +1,9 @@
 //! `solids`: displaced spheres and meshes beside Embree's triangles at texel density.
 //!
-//! Both get the same rays, one a call, on one thread. rilievo answers with a whole hit, position and
-//! both normals; Embree with parameter, normal and barycentric coordinates. Embree's scene is robust,
-//! its build medium: that is the configuration without holes.
+//! Both get the same rays, one a call, on one thread. `rilievo` answers with a crossing, as for the faces of
+//! `kernels`: parameter, triangle, cell, place in it and side, in `f64`; `rilievo-hit` with a whole hit, position and
+//! both normals, smoothed, as well; Embree with parameter, normal and barycentric coordinates. Embree's
+//! scene is robust, its build medium: that is the configuration without holes.
 
 mod body;
 mod rays;
@@ -65,9 +66,16 @@ struct Contender<'a> {
 }
 
 enum Tracer<'a> {
-    Rilievo(&'a Displaced),
+    Rilievo(&'a Displaced, Answer),
     #[cfg(feature = "embree")]
     Embree(Scene),
+}
+
+/// What rilievo is asked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Answer {
+    Crossing,
+    Hit,
 }
 
 /// Measures what was asked for.
@@ -112,14 +120,15 @@ fn measure(
     displaced: &Displaced,
     took: f64,
 ) -> Result<(), String> {
-    let ours = Contender {
-        name: "rilievo",
+    let ours = |(name, answer)| Contender {
+        name,
         build_seconds: took,
         bytes: displaced.bytes,
         against: BTreeMap::from([("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]),
-        tracer: Tracer::Rilievo(displaced),
+        tracer: Tracer::Rilievo(displaced, answer),
     };
-    let mut contenders = vec![ours];
+    let answers = [("rilievo", Answer::Crossing), ("rilievo-hit", Answer::Hit)];
+    let mut contenders: Vec<_> = answers.map(ours).into();
     contenders.extend(peer(args, displaced)?);
     for (family, rays) in rays::rays(displaced, args.side) {
         if !args.families.contains(&family) {
@@ -214,7 +223,7 @@ enum Load {
 impl Contender<'_> {
     fn load(&self, rays: &[Ray32]) -> Load {
         match &self.tracer {
-            Tracer::Rilievo(_) => Load::Rilievo(rays.iter().map(widened).collect()),
+            Tracer::Rilievo(..) => Load::Rilievo(rays.iter().map(widened).collect()),
             #[cfg(feature = "embree")]
             Tracer::Embree(_) => Load::Embree(rays.iter().map(Ray1::from).collect()),
         }
@@ -222,15 +231,16 @@ impl Contender<'_> {
 
     fn trace(&self, load: &Load, any: bool) -> Tally {
         match (&self.tracer, load) {
-            (Tracer::Rilievo(body), Load::Rilievo(rays)) => {
+            (Tracer::Rilievo(body, answer), Load::Rilievo(rays)) => {
                 let mut tally = Tally::default();
                 for ray in rays {
-                    if any {
-                        if body.surface.occludes(ray, &mut ()) {
-                            tally.hit(0.0);
-                        }
-                    } else if let Some(hit) = body.surface.closest(ray, &mut ()) {
-                        tally.hit(hit.t);
+                    let t = match (any, answer) {
+                        (true, _) => body.surface.occludes(ray, &mut ()).then_some(0.0),
+                        (false, Answer::Hit) => body.surface.closest(ray, &mut ()).map(|hit| hit.t),
+                        (false, Answer::Crossing) => body.first_crossing(ray),
+                    };
+                    if let Some(t) = t {
+                        tally.hit(t);
                     }
                 }
                 tally
