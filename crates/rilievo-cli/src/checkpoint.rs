@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use rilievo_io::Limits;
 use rilievo_io::film_file::{FilmFile, Header, Remainder};
+use rilievo_io::image::Attribute;
 use rilievo_render::Film;
 
 use crate::args::value::{PictureFormat, PicturePath};
@@ -73,7 +74,7 @@ pub fn write(
     let image = job.scene.camera().resolution();
     let whole = film.is_complete() && !job.is_part();
     let rest = (output.format == PictureFormat::Exr && !whole)
-        .then(|| Remainder::of(film, image, &job.fingerprint.to_string()));
+        .then(|| Remainder::of(film, image, &job.fingerprint.to_string(), &job.flags));
     let finished = Finished {
         film,
         kind: &job.kind,
@@ -85,6 +86,24 @@ pub fn write(
         remainder: rest.as_ref(),
     };
     finished.write(output)
+}
+
+/// The flags with those of the render that is gone on with, if it is.
+///
+/// # Errors
+/// Of the file; [`Failure::Refused`] for flags that it was not begun with.
+pub fn with_flags_before(args: &RenderArgs) -> Result<RenderArgs, Failure> {
+    let (args, path) = (args.clone(), &args.output.path);
+    if !args.part.resume || !path.exists() {
+        return Ok(args);
+    }
+    let before = Header::read(path, &Limits::default())?;
+    match before.as_ref().and_then(|header| header.attribute(Remainder::FLAGS)) {
+        Some(Attribute::Text(flags)) => args
+            .with_kept(flags)
+            .map_err(|why| Failure::Refused(format!("{}: {why}", path.display()))),
+        _ => Ok(args),
+    }
 }
 
 /// What there is to go on from.

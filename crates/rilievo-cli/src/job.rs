@@ -1,7 +1,7 @@
 //! [`RenderJob`]: what the flags of a render mean: files opened, sizes known.
 
 use std::cell::RefCell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rilievo::map::DistanceKind;
 use rilievo_io::Limits;
@@ -45,6 +45,8 @@ pub struct RenderJob {
     crop: Option<Tile>,
     sample_range: Option<[u32; 2]>,
     max_error: Option<f64>,
+    /// The flags it was begun with, see [`RenderArgs::kept`].
+    pub flags: String,
     /// Of the scene, the files it names and all settings.
     pub fingerprint: Fingerprint,
 }
@@ -64,7 +66,7 @@ impl RenderJob {
         };
         let file = SceneFile::present(&args.scene, &options.limits)?;
         let loaded = load_file(&file, &options, args.talk)?;
-        let LoadedScene { scene, mut tone_map, .. } = loaded;
+        let LoadedScene { scene, mut tone_map, files, .. } = loaded;
         tone_map = ToneMap {
             exposure: args.exposure.unwrap_or(tone_map.exposure),
             view: args.view.unwrap_or(tone_map.view),
@@ -81,6 +83,7 @@ impl RenderJob {
             samples: args.samples.unwrap_or(settings.samples),
             sampler: args.sampler.unwrap_or(settings.sampler),
             seed: args.seed.unwrap_or(settings.seed),
+            clamp: args.clamp.unwrap_or(settings.clamp),
             ..settings
         };
         let mut scene = scene.with_settings(settings).map_err(Failure::refused)?;
@@ -110,17 +113,18 @@ impl RenderJob {
             build: watch.elapsed(),
             threads: args.threads,
             pixel_centers: args.pixel_centers,
-            stored: args.exr,
+            stored: args.exr.unwrap_or_default(),
             blocks: args.tiles.map_or(Blocks::Lines, Blocks::Tiles),
             crop: args.part.crop,
             sample_range: args.part.sample_range,
             max_error: args.part.max_error,
+            flags: args.kept(),
             fingerprint: Fingerprint::default(),
             scene,
         };
         rilievo_render::check(&job.scene, &job.options()).map_err(Failure::refused)?;
         if args.output.format == PictureFormat::Exr {
-            job.fingerprint = job.fingerprint_of(&file, args)?;
+            job.fingerprint = job.fingerprint_of(&file, (args, &files))?;
         }
         job.memory = MemoryUse::predict(&job.scene, &job.options());
         let window = job.window().size;
@@ -168,7 +172,11 @@ impl RenderJob {
     }
 
     /// Two renders with one fingerprint give the same picture, and parts of it that fit together.
-    fn fingerprint_of(&self, file: &SceneFile, args: &RenderArgs) -> Result<Fingerprint, Failure> {
+    fn fingerprint_of(
+        &self,
+        file: &SceneFile,
+        (args, files): (&RenderArgs, &[PathBuf]),
+    ) -> Result<Fingerprint, Failure> {
         let mut fingerprint = Fingerprint::default();
         let settings = format!(
             "{} {:?} {:?} {:?} {:?} {:?} {:?}",
@@ -182,7 +190,9 @@ impl RenderJob {
         );
         fingerprint.add(settings.as_bytes());
         fingerprint.add(file.text().as_bytes());
-        for path in file.references() {
+        // An image that is not there is noted, and counts as such.
+        let files = files.iter().filter(|path| path.exists()).cloned();
+        for path in file.references().into_iter().chain(files) {
             fingerprint.add_reference(&path)?;
         }
         Ok(fingerprint)

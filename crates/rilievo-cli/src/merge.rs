@@ -5,12 +5,14 @@ use std::path::Path;
 use rilievo_io::Limits;
 use rilievo_io::film_file::{FilmFile, Remainder};
 use rilievo_io::image::{Attribute, Blocks, Stored};
-use rilievo_render::film::{JoinError, Tile, join};
+use rilievo_render::denoise;
+use rilievo_render::film::{Film, JoinError, Tile, join};
 use serde::Serialize;
 
 use crate::args::MergeArgs;
+use crate::denoise::Denoiser;
 use crate::outcome::{Failure, Outcome};
-use crate::picture::exr;
+use crate::picture::{DENOISER, NOISY, denoiser_attribute, exr};
 
 /// The JSON object.
 #[derive(Serialize)]
@@ -41,7 +43,7 @@ pub fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
         }
     }
     let (image, fingerprint, colour) = (first.image, first.fingerprint.clone(), first.colour);
-    let attributes = first.attributes.clone();
+    let mut attributes = first.attributes.clone();
     let film = join(files.into_iter().map(|file| file.film).collect())
         .map_err(|why| refused(&why, &args.parts))?;
     let samples = attributes.iter().find(|(name, _)| name == "samplesPerPixel");
@@ -50,10 +52,20 @@ pub fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
             Attribute::Integer(count) => film.samples() == [0, count.unsigned_abs()],
             _ => false,
         });
-    let rest = (!complete).then(|| Remainder::of(&film, image, &fingerprint));
-    let shown = colour.then(|| film.radiance());
+    let denoised = match args.denoise {
+        Some(denoiser) => Some((denoise(&film, colour, denoiser)?, denoiser)),
+        None => None,
+    };
+    attributes.retain(|(name, _)| name != DENOISER);
+    attributes.extend(denoised.as_ref().map(|(_, by)| denoiser_attribute(*by)));
+    attributes.sort_by(|a, b| a.0.cmp(&b.0));
+    let rest = (!complete).then(|| Remainder::of(&film, image, &fingerprint, ""));
+    let radiance = denoised.as_ref().map_or(film.radiance(), |(radiance, _)| radiance);
     let stored = if complete { args.exr } else { Stored::Float };
-    let mut picture = exr(&film, shown, stored, image);
+    let mut picture = exr(&film, colour.then_some(radiance), stored, image);
+    if denoised.is_some() {
+        picture.push_interleaved(&NOISY, film.radiance().as_flattened(), stored);
+    }
     picture.blocks = args.tiles.map_or(Blocks::Lines, Blocks::Tiles);
     picture.attributes = attributes;
     if let Some(rest) = &rest {
@@ -77,6 +89,21 @@ pub fn run(args: &MergeArgs) -> Result<Outcome, Failure> {
     ));
     args.talk.object(&report)?;
     Ok(Outcome::Done)
+}
+
+/// The radiance of a film with less noise.
+fn denoise(film: &Film, colour: bool, denoiser: Denoiser) -> Result<Vec<[f32; 3]>, Failure> {
+    denoiser.check()?;
+    if !colour {
+        return Err(Failure::Refused("parts of layers alone have no noise to take off".into()));
+    }
+    if let Some(lacking) = denoise::GUIDES.iter().find(|guide| film.layer(**guide).is_none()) {
+        return Err(Failure::Refused(format!(
+            "--denoise needs the layer {lacking}, which the parts lack; render them with --denoise \
+             or --aov Albedo,Ns"
+        )));
+    }
+    denoiser.run(film, 0)
 }
 
 fn read(path: &Path) -> Result<FilmFile, Failure> {

@@ -83,6 +83,17 @@ impl PictureKind {
     }
 }
 
+/// The channels of the colour with its noise, beside one without.
+pub const NOISY: [&str; 3] = ["Noisy.R", "Noisy.G", "Noisy.B"];
+
+/// The attribute that names what took the noise off.
+pub const DENOISER: &str = "rilievo/denoiser";
+
+/// Names what took the noise off.
+pub fn denoiser_attribute(denoiser: Denoiser) -> (String, Attribute) {
+    (DENOISER.to_owned(), Attribute::Text(denoiser.name().to_owned()))
+}
+
 /// What made a film.
 #[derive(Clone, Copy)]
 pub struct About<'a> {
@@ -148,8 +159,7 @@ impl Finished<'_> {
         let denoiser = self.denoised.map(|(_, by)| by);
         picture.attributes = self.about.attributes(self.film.is_complete(), denoiser);
         if colour && self.denoised.is_some() {
-            let (names, noisy) = (["Noisy.R", "Noisy.G", "Noisy.B"], self.film.radiance());
-            picture.push_interleaved(&names, noisy.as_flattened(), stored);
+            picture.push_interleaved(&NOISY, self.film.radiance().as_flattened(), stored);
         }
         if let Some(remainder) = self.remainder {
             remainder.add_to(&mut picture);
@@ -193,7 +203,7 @@ impl About<'_> {
             text("rilievo/filter", settings.filter.kind.to_string()),
             matrix("worldToCamera", camera),
         ];
-        let denoiser = denoiser.map(|by| text("rilievo/denoiser", by.name().to_owned()));
+        let denoiser = denoiser.map(denoiser_attribute);
         let mut all: Vec<_> = own.into_iter().chain(ndc).chain(denoiser).collect();
         // As they are read back, so that joined parts write the same file.
         all.sort_by(|a, b| a.0.cmp(&b.0));

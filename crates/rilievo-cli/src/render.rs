@@ -75,6 +75,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     pool.build_global().map_err(Failure::refused)?;
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
     check_format(args)?;
+    let args = &checkpoint::with_flags_before(args)?;
     let job = RenderJob::open(args)?;
     let watch = Stopwatch::start();
     let film = match checkpoint::before(args, &job)? {

@@ -191,6 +191,12 @@ pub fn crop(text: &str) -> Result<Tile, String> {
     Ok(Tile { corner: [x0, y0], size: [x1 - x0, y1 - y0] })
 }
 
+/// A radiance, or 0.
+pub fn clamp(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|most: &f64| most.is_finite() && *most >= 0.0);
+    found.ok_or_else(|| "expected a number of at least 0, as 10".to_owned())
+}
+
 /// A relative error.
 pub fn max_error(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|error: &f64| error.is_finite() && *error > 0.0);

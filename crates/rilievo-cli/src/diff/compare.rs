@@ -123,11 +123,12 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Whether a channel belongs to a layer: `P.X` to `P`, `Z` to `Z`, `R` to `RGB`.
+/// Whether a channel belongs to a layer: `P.X` to `P`, `Z` to `Z`, `R` to `RGB`, `u` to `UV`.
 fn is_of(layer: &str, channel: &str) -> bool {
     let colour = layer == "RGB" && ["R", "G", "B"].contains(&channel);
+    let parameters = layer == "UV" && ["u", "v"].contains(&channel);
     let inside = channel.strip_prefix(layer).is_some_and(|rest| rest.starts_with('.'));
-    colour || inside || channel == layer
+    colour || parameters || inside || channel == layer
 }
 
 /// How far two values are apart; none where they are not matched.

@@ -57,5 +57,9 @@ fn a_killed_render_leaves_a_whole_picture_to_go_on_from() {
             }
         }
         assert!(folder.bytes("a.exr") == whole, "after {killed} kills");
+        // What was being written is gone.
+        let left: Vec<_> =
+            folder.names().into_iter().filter(|name| name.ends_with(".part")).collect();
+        assert!(left.is_empty(), "{left:?}");
     }
 }

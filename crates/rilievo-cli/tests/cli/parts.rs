@@ -38,6 +38,39 @@ fn parts_merge_to_the_file_of_one_run() {
 }
 
 #[test]
+fn the_flags_of_a_stopped_render_need_not_be_repeated() {
+    let folder = Folder::new().with_scene();
+    let flags = "--integrator path --samples 300 --resolution 96x80 --aov N --exr half --denoise";
+    folder.run(&format!("render scene.toml {flags} -o whole.exr")).expect(0);
+    let begin = format!("render scene.toml {flags} -o a.exr --time-limit 0.3");
+    folder.run(&begin).expect(4);
+    let other = folder.run("render scene.toml -o a.exr --resume --samples 200").expect(1).stderr;
+    assert!(other.contains("begun with --samples 300, and --samples 200"), "{other}");
+    let other = folder.run("render scene.toml -o a.exr --resume --seed 3").expect(1).stderr;
+    assert!(other.contains("other settings or another seed"), "{other}");
+    folder.run("render scene.toml -o a.exr --resume").expect(0);
+    assert!(folder.bytes("a.exr") == folder.bytes("whole.exr"));
+}
+
+#[test]
+fn the_noise_of_joined_parts_is_taken_off_as_that_of_one_run() {
+    let folder = Folder::new().with_scene();
+    folder.run(&format!("{RENDER} --denoise -o whole.exr")).expect(0);
+    folder.run(&format!("{RENDER} --denoise -o a.exr --sample-range 0..2")).expect(0);
+    folder.run(&format!("{RENDER} --denoise -o b.exr --sample-range 2..6")).expect(0);
+    folder.run("merge a.exr b.exr -o merged.exr --denoise").expect(0);
+    assert!(folder.bytes("merged.exr") == folder.bytes("whole.exr"));
+    folder.run("merge a.exr b.exr -o noisy.exr").expect(0);
+    let read = |name| ChannelImage::read(&folder.path(name), &Limits::default()).unwrap();
+    let (whole, noisy) = (read("whole.exr"), read("noisy.exr"));
+    assert_eq!(whole.channel("Noisy.G").unwrap().samples, noisy.channel("G").unwrap().samples);
+    assert_eq!(noisy.attribute("rilievo/denoiser"), None);
+    folder.run(&format!("{RENDER} -o c.exr --sample-range 0..2")).expect(0);
+    let error = folder.run("merge c.exr -o d.exr --denoise").expect(1).stderr;
+    assert!(error.contains("needs the layer Albedo"), "{error}");
+}
+
+#[test]
 fn what_is_kept_to_go_on_with_takes_no_memory_of_its_own() {
     let folder = Folder::new().with_scene();
     for flags in ["", "--resume"] {
@@ -123,7 +156,7 @@ fn parts_that_do_not_fit_are_named() {
     // What stands under the name of the output is not gone on with if it is of another render.
     let before = folder.bytes("a.exr");
     error(&format!("{RENDER} -o a.exr --resume --seed 1"), "another scene");
-    error(&format!("{RENDER} -o a.exr --resume"), "another part");
+    error(&format!("{RENDER} -o a.exr --resume --sample-range 0..3"), "begun with --sample-range");
     error(&format!("{RENDER} -o whole.exr --resume"), "no unfinished picture");
     error("render scene.toml -o x.exr --sample-range 0..2", "distributed takes all samples");
     error(&format!("{RENDER} -o x.exr --sample-range 2..7"), "not among the 6");
@@ -136,6 +169,40 @@ fn parts_that_do_not_fit_are_named() {
     let text = String::from_utf8(folder.bytes("scene.toml")).unwrap();
     folder.write("scene.toml", &text.replace("0.6, 0.5, 0.4", "0.6, 0.5, 0.3"));
     error(&format!("{RENDER} -o a.exr --resume --sample-range 0..2"), "another scene");
+}
+
+#[test]
+fn images_of_models_and_sets_of_displacements_belong_to_a_render() {
+    let folder = Folder::new().with_scene();
+    folder.write("a.mtl", "newmtl m\nmap_Kd paint.png\n");
+    folder.write(
+        "a.obj",
+        "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n",
+    );
+    let camera = "[camera]\nposition = [0.6, 0.4, 3]\nlook_at = [0.6, 0.4, 0]\nresolution = [8, 8]\n\
+        up = [0, 1, 0]\n[[shapes]]\n";
+    folder.write("model.toml", &format!("{camera}type = \"mesh\"\nfile = \"a.obj\"\n"));
+    std::fs::create_dir(folder.path("set")).unwrap();
+    let quad = "type = \"quad\"\ncorners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]\n";
+    folder.write("set.toml", &format!("{camera}{quad}displacement = {{ map = \"set/\" }}\n"));
+    let image = folder.bytes("map.png");
+    // Another image of the same size: one colour, told by its own program.
+    folder.run("render scene.toml -o other.png --resolution 32x32 --samples 1").expect(0);
+    let other = folder.bytes("other.png");
+    for (scene, file, changed) in [
+        ("model.toml", "paint.png", &other[..]),
+        ("model.toml", "a.mtl", b"newmtl m\nKd 1 0 0\nmap_Kd paint.png\n"),
+        ("set.toml", "set/rock_disp.png", &other[..]),
+    ] {
+        std::fs::write(folder.path("paint.png"), &image).unwrap();
+        std::fs::write(folder.path("set/rock_disp.png"), &image).unwrap();
+        let render = format!("render {scene} --integrator path --samples 2 -o part.exr");
+        folder.run(&format!("{render} --sample-range 0..1")).expect(0);
+        folder.run(&format!("{render} --resume")).expect(0);
+        std::fs::write(folder.path(file), changed).unwrap();
+        let error = folder.run(&format!("{render} --resume")).expect(1).stderr;
+        assert!(error.contains("another scene"), "{file}: {error}");
+    }
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn layers_stand_beside_the_colour_or_alone() {
 
     folder.run("render scene.toml -o all.exr --integrator aov").expect(0);
     let all = read(&folder, "all.exr");
-    for name in ["P.X", "N.Y", "Ns.Z", "UV.X", "UV.Y", "Height.Y", "Steps.Y", "Z", "Albedo.R"] {
+    for name in ["P.X", "N.Y", "Ns.Z", "u", "v", "Height.Y", "Steps.Y", "Z", "Albedo.R"] {
         assert!(all.channel(name).is_some(), "{name}");
     }
     assert!(all.channel("R").is_none());

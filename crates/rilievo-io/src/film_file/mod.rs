@@ -19,6 +19,7 @@
 //! | `rilievo/window` | `X Y WIDTH HEIGHT` of the pixels here |
 //! | `rilievo/samples` | `FIRST END`: absolute indices |
 //! | `rilievo/layers` | names of the layers, parted by spaces |
+//! | `rilievo/flags` | flags the render was begun with, in the words of whoever wrote it |
 
 mod digits;
 mod fingerprint;
@@ -33,8 +34,14 @@ pub use remainder::Remainder;
 use crate::image::Attribute;
 
 /// Attributes that only a film file has.
-const OWN: [&str; 5] =
-    ["rilievo/fingerprint", "rilievo/image", "rilievo/window", "rilievo/samples", "rilievo/layers"];
+const OWN: [&str; 6] = [
+    "rilievo/fingerprint",
+    "rilievo/image",
+    "rilievo/window",
+    "rilievo/samples",
+    "rilievo/layers",
+    Remainder::FLAGS,
+];
 
 /// A film and what it is a part of.
 #[derive(Clone, Debug)]
@@ -111,7 +118,7 @@ mod tests {
             picture.push_interleaved(layer.aov().channels(), layer.values(), Stored::Float);
         }
         picture.attributes.push(("samplesPerPixel".into(), Attribute::Integer(5)));
-        Remainder::of(film, IMAGE, "0123").add_to(&mut picture);
+        Remainder::of(film, IMAGE, "0123", "").add_to(&mut picture);
         change(&mut picture);
         picture.write_exr(path).unwrap();
     }

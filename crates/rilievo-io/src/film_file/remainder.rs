@@ -18,8 +18,11 @@ pub struct Remainder<'a> {
 }
 
 impl<'a> Remainder<'a> {
-    /// Of a film of an image of `image` pixels.
-    pub fn of(film: &'a Film, image: [u32; 2], fingerprint: &str) -> Self {
+    /// The attribute of the flags that a render was begun with.
+    pub const FLAGS: &'static str = "rilievo/flags";
+
+    /// Of a film of an image of `image` pixels, of a render begun with some flags.
+    pub fn of(film: &'a Film, image: [u32; 2], fingerprint: &str, flags: &str) -> Self {
         let list =
             |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(" ");
         let Tile { corner, size } = film.window();
@@ -30,6 +33,7 @@ impl<'a> Remainder<'a> {
             list(&[corner, size].concat()),
             list(&film.samples()),
             layers.join(" "),
+            flags.to_owned(),
         ];
         let names = OWN.iter().map(|name| (*name).to_owned());
         let attributes = names.zip(values.map(Attribute::Text)).collect();

@@ -13,9 +13,10 @@ mod presentation;
 mod projection;
 mod words;
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rilievo::mesh::Mesh;
 
@@ -75,17 +76,22 @@ impl std::fmt::Display for MeshFormat {
 }
 
 /// Whether files that a model names may be opened.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Beside {
-    Files,
+#[derive(Clone, Copy, Debug)]
+enum Beside<'a> {
+    /// They may; those that were read are noted.
+    Files(&'a RefCell<Vec<PathBuf>>),
     Nothing,
 }
 
-impl Beside {
+impl Beside<'_> {
     /// The bytes of a file.
     fn read(self, path: &Path, limits: &Limits) -> Result<Vec<u8>> {
         match self {
-            Self::Files => limits.read(path),
+            Self::Files(noted) => {
+                let bytes = limits.read(path)?;
+                noted.borrow_mut().push(path.to_owned());
+                Ok(bytes)
+            }
             Self::Nothing => Err(Error::io(path, std::io::ErrorKind::NotFound.into())),
         }
     }
@@ -94,7 +100,7 @@ impl Beside {
     fn head(self, path: &Path) -> Result<Option<Vec<u8>>> {
         let fail = |e| Error::io(path, e);
         match self {
-            Self::Files => {
+            Self::Files(_) => {
                 let mut head = Vec::new();
                 let file = File::open(path).map_err(fail)?;
                 file.take(16).read_to_end(&mut head).map_err(fail)?;
@@ -112,7 +118,9 @@ impl Model {
     /// Of the file or its size; content that breaks its format; a format that is not known. A file
     /// without faces is a model without triangles.
     pub fn read(path: &Path, limits: &Limits) -> Result<Self> {
-        Self::decode(&limits.read(path)?, path, limits, Beside::Files)
+        let noted = RefCell::default();
+        let model = Self::decode(&limits.read(path)?, path, limits, Beside::Files(&noted))?;
+        Ok(Self { files: noted.into_inner(), ..model })
     }
 
     /// Reads a model from bytes; `name` is what errors call them. No other file is opened.
@@ -124,7 +132,7 @@ impl Model {
         Self::decode(bytes, name, limits, Beside::Nothing)
     }
 
-    fn decode(bytes: &[u8], name: &Path, limits: &Limits, beside: Beside) -> Result<Self> {
+    fn decode(bytes: &[u8], name: &Path, limits: &Limits, beside: Beside<'_>) -> Result<Self> {
         match MeshFormat::of(bytes, name) {
             Some(MeshFormat::Obj) => {
                 obj::read(bytes, name, limits, &|path| beside.read(path, limits))

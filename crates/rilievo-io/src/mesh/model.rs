@@ -26,6 +26,8 @@ pub struct Model {
     pub cameras: Vec<ModelCamera>,
     /// The lights.
     pub lights: Vec<ModelLight>,
+    /// Files beside it that were read: libraries of materials and buffers; not images.
+    pub files: Vec<PathBuf>,
     /// What the file holds that was not read, a line each.
     pub notes: Vec<String>,
 }

@@ -105,6 +105,7 @@ impl Loader<'_> {
         let limits = self.options.limits;
         let image = match source {
             ImageSource::File(path) => {
+                self.files.push(path.clone());
                 self.image_once((path.clone(), codes), || read_colour(path, &limits))
             }
             ImageSource::Embedded { name, bytes } => {

@@ -45,6 +45,7 @@ impl Loader<'_> {
         let mut model = Model::read(&path, &self.options.limits)
             .map_err(|e| self.file.referenced(&entry.file, "mesh", e))?;
         self.notes.extend(model.notes.iter().map(|note| format!("{}: {note}", path.display())));
+        self.files.append(&mut model.files);
         if let Some(projection) = entry.projection {
             projection.lay(&mut model.mesh);
         }
@@ -166,10 +167,13 @@ impl Loader<'_> {
     }
 
     /// The heights that a model's material names.
-    fn own_relief(&self, source: &ImageSource) -> Result<Arc<Relief>> {
+    fn own_relief(&mut self, source: &ImageSource) -> Result<Arc<Relief>> {
         let (heights, limits) = (HeightOptions::default(), &self.options.limits);
         let heights = match source {
-            ImageSource::File(path) => heights.read(path, limits),
+            ImageSource::File(path) => {
+                self.files.push(path.clone());
+                heights.read(path, limits)
+            }
             ImageSource::Embedded { name, bytes } => heights.read_bytes(bytes, name, limits),
         }?;
         Ok(Arc::new(Relief::with_layout(heights, self.options.layout.unwrap_or_default())))

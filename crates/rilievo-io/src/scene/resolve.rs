@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use rilievo::map::{Lattice, NormalConvention, Wrap};
@@ -37,6 +38,8 @@ pub struct LoadedScene {
     pub sphere_maps: Vec<LoadedSphereMap>,
     /// How its picture is to be shown.
     pub tone_map: ToneMap,
+    /// Files that its models brought with them: libraries of materials, buffers and images, sorted.
+    pub files: Vec<PathBuf>,
     /// What was found in texture sets and assumed of them, what models hold that is not used: a
     /// line each.
     pub notes: Vec<String>,
@@ -78,6 +81,7 @@ impl SceneFile {
             glasses: Vec::new(),
             texture_memory: TextureMemory::default(),
             lamps: self.lights.clone(),
+            files: Vec::new(),
             notes: Vec::new(),
         };
         loader.load_maps()?;
@@ -124,7 +128,10 @@ impl SceneFile {
         let mut sphere_maps: Vec<_> = loader.sphere_maps.into_values().collect();
         sphere_maps.sort_by_key(LoadedSphereMap::order);
         let tone_map = self.render.tone_map;
-        Ok(LoadedScene { scene, maps, sphere_maps, tone_map, notes: loader.notes })
+        let (mut files, notes) = (loader.files, loader.notes);
+        files.sort();
+        files.dedup();
+        Ok(LoadedScene { scene, maps, sphere_maps, tone_map, files, notes })
     }
 
     fn load_environment(&self, options: &LoadOptions<'_>) -> Result<Option<Environment>> {
@@ -208,6 +215,8 @@ pub(super) struct Loader<'a> {
     pub(super) glasses: Vec<Arc<GlassTable>>,
     /// Lights that are no shapes: those of the scene, then those of models.
     pub(super) lamps: Vec<Light>,
+    /// Files that models brought with them.
+    pub(super) files: Vec<PathBuf>,
     /// What was not as files say, a line each.
     pub(super) notes: Vec<String>,
 }

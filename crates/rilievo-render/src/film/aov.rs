@@ -46,13 +46,14 @@ impl Aov {
         }
     }
 
-    /// The names of its channels in a file, in the order in which a pixel stores them.
+    /// The names of its channels in a file, in the order in which a pixel stores them: pbrt's
+    /// (`GBufferFilm`), where it has such a layer.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::P => &["P.X", "P.Y", "P.Z"],
             Self::N => &["N.X", "N.Y", "N.Z"],
             Self::Ns => &["Ns.X", "Ns.Y", "Ns.Z"],
-            Self::Uv => &["UV.X", "UV.Y"],
+            Self::Uv => &["u", "v"],
             Self::Height => &["Height.Y"],
             Self::Steps => &["Steps.Y"],
             Self::Z => &["Z"],

@@ -51,7 +51,7 @@ impl<'a> Buffers<'a> {
     pub fn read(
         root: &Json<'_>,
         glb: Option<Option<&'a [u8]>>,
-        (beside, limits): (Beside, &Limits),
+        (beside, limits): (Beside<'_>, &Limits),
         notes: &mut Vec<String>,
     ) -> Result<Self> {
         let mut buffers = Vec::new();
@@ -117,7 +117,7 @@ impl<'a> Buffers<'a> {
 fn load(
     uri: &Json<'_>,
     length: u64,
-    beside: Beside,
+    beside: Beside<'_>,
     limits: &Limits,
 ) -> Result<Option<Cow<'static, [u8]>>> {
     let text = uri.text()?;

@@ -34,7 +34,7 @@ impl Images {
     pub fn read(
         root: &Json<'_>,
         buffers: &mut Buffers<'_>,
-        (beside, limits): (Beside, &Limits),
+        (beside, limits): (Beside<'_>, &Limits),
         notes: &mut Vec<String>,
     ) -> Result<Self> {
         let mut sources = Vec::new();
@@ -81,7 +81,7 @@ impl Images {
 fn image(
     json: &Json<'_>,
     buffers: &mut Buffers<'_>,
-    beside: Beside,
+    beside: Beside<'_>,
     limits: &Limits,
 ) -> Result<Option<ImageSource>> {
     let declared = json.text_of("mimeType")?;

@@ -46,7 +46,12 @@ pub(super) use container::MAGIC;
 ///
 /// # Errors
 /// Of its JSON, its references, its sizes; files beside it that cannot be opened.
-pub(super) fn read(bytes: &[u8], name: &Path, limits: &Limits, beside: Beside) -> Result<Model> {
+pub(super) fn read(
+    bytes: &[u8],
+    name: &Path,
+    limits: &Limits,
+    beside: Beside<'_>,
+) -> Result<Model> {
     let container = Container::read(bytes, name, limits)?;
     let root = Json { path: name, value: &container.json, pointer: String::new() }.object()?;
     version(&root)?;

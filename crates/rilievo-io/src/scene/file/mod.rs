@@ -21,6 +21,7 @@ use rilievo_render::light::Light;
 use toml::de::DeTable;
 
 use super::keys::scene as keys;
+use super::sets::is_set;
 use super::syntax::{Document, Located, Table};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
@@ -146,7 +147,8 @@ impl SceneFile {
         &self.path
     }
 
-    /// The files the scene names, in the order of maps, materials, shapes and environment.
+    /// The files and folders the scene names, in the order of maps, materials, shapes and environment;
+    /// see [`LoadedScene::files`](super::LoadedScene::files) for those that models name.
     pub fn references(&self) -> Vec<PathBuf> {
         let maps = self.maps.iter().filter_map(|(_, map)| match &map.source {
             MapSource::File { file, .. } => Some(file),
@@ -170,7 +172,11 @@ impl SceneFile {
                 Normals::File { file, .. } => Some(file),
                 _ => None,
             });
-        let shapes = meshes.chain(normals);
+        let sets = self.shapes.iter().filter_map(|shape| {
+            let map = &shape.shape.displacement()?.map;
+            is_set(&map.value).then_some(map)
+        });
+        let shapes = meshes.chain(normals).chain(sets);
         let shapes = shapes.chain(self.environment.as_ref().map(|e| &e.file));
         maps.chain(baked).chain(&textures).chain(shapes).map(|f| self.beside(&f.value)).collect()
     }
