@@ -24,7 +24,7 @@ def main():
     parser.add_argument("--resolution", type=int, default=128)
     parser.add_argument("--samples", type=int, default=64, help="a pass")
     parser.add_argument("--passes", type=int, default=16)
-    parser.add_argument("--reference", type=int, default=4096, help="samples of the long render by each")
+    parser.add_argument("--reference", type=int, default=4096, help="samples of the long render by each; 0: those on disk")
     parser.add_argument("--variants", nargs="*", default=mitsuba_frame.VARIANTS)
     parser.add_argument("--program", help="rilievo; else it is built")
     parser.add_argument("--picture", type=Path, help="where to put the pictures side by side")
@@ -68,6 +68,8 @@ def rilievo(program, name, scene, folder, options):
 
 def refer(program, name, folder, cache, options):
     """The long renders."""
+    if options.reference == 0:
+        return
     out = folder / f"{name}-reference.exr"
     measure.run([program, "render", folder / f"{name}.toml", "-o", out, "--quiet",
                  "--samples", options.reference, "--seed", 1 << 20])
