@@ -28,6 +28,8 @@ pub(super) struct Prism {
     pub corners: [u32; 3],
     /// Unfolded lattice coordinates of the corners.
     pub lattice: [[f64; 2]; 3],
+    /// First cell and one past the last along each axis that the footprint touches.
+    pub cells: [[i32; 2]; 2],
     /// Change of the second and third barycentric weight along x and y, per cell.
     pub weights: [[f64; 2]; 2],
     /// Lowest and highest height over the footprint, rounded outwards.
@@ -72,6 +74,7 @@ impl Prism {
         let mut prism = Self {
             corners,
             lattice,
+            cells: Area::of(lattice).cells(),
             weights: if spread { weights } else { [[0.0; 2]; 2] },
             heights,
             condition: if spread { (condition as f32).next_up() } else { 4.0 },
@@ -182,6 +185,13 @@ impl Prism {
     #[inline(always)]
     pub fn area(&self) -> Area {
         Area::of(self.lattice)
+    }
+
+    /// The longer side of the box of its footprint, in whole cells.
+    #[inline(always)]
+    pub fn extent(&self) -> f64 {
+        let [width, height] = self.cells.map(|[first, end]| end - first);
+        f64::from(width.max(height))
     }
 
     pub fn footprint(&self) -> Footprint {

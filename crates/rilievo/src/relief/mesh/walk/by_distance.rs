@@ -81,7 +81,7 @@ impl<P: Probe> PrismWalk<'_, P> {
             return false;
         }
         let (heights, footprint) = (mesh.relief.heights(), &prism.footprint());
-        let [x, y] = prism.area().cells();
+        let [x, y] = prism.cells;
         let mut march = March {
             cells,
             footprint,

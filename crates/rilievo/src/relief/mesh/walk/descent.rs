@@ -6,7 +6,7 @@ use crate::map::Run;
 use crate::probe::Probe;
 use crate::simd::Lanes;
 
-use super::super::footprint::{Area, MARGIN};
+use super::super::footprint::MARGIN;
 use super::super::frame::Path;
 use super::cells::Cells;
 use super::forward::Forward;
@@ -23,15 +23,15 @@ const WORTH: f64 = 0.7;
 /// Spans of children are wider by this share of their parent's.
 const SPARE: f64 = 1.0 / (1 << 22) as f64;
 
-/// Frames of a walk: the prism's and those of nodes, by level. Nodes of higher levels make none:
-/// they are larger than any prism but of maps repeated thousands of times.
-const FRAMES: usize = 5;
+/// The number of the prism's frame; smaller ones are levels of nodes that have their own. Nodes of higher
+/// levels make none: they are larger than any prism but of maps repeated thousands of times.
+const OWN: usize = 4;
 
 /// Nodes kept without memory of their own.
 const NEAR: usize = 12;
 
 /// A node or block that waits.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Node {
     span: [f64; 2],
     /// Its place among nodes or blocks of its level, forward.
@@ -73,20 +73,22 @@ struct Parts<L> {
 /// The walk through the pyramid under one prism.
 pub(super) struct Descent<'a, P> {
     pub cells: Cells<'a, P>,
-    pub area: Area,
 }
 
 /// What a walk through one tile holds.
 struct Walk {
     forward: Forward,
-    /// The prism's last; others once they are made.
-    frames: [Framed; FRAMES],
+    /// The prism's.
+    own: Framed,
+    /// Those of nodes, by level. Options, so that nothing is written before there is one.
+    made: [Option<Framed>; OWN],
     waiting: Waiting,
 }
 
 /// Nodes that wait, the next one last.
 struct Waiting {
-    near: [Node; NEAR],
+    /// Options, so that nothing is written before there is one.
+    near: [Option<Node>; NEAR],
     len: usize,
     /// Those that come after all in `near`.
     rest: Vec<Node>,
@@ -96,10 +98,10 @@ impl Waiting {
     #[inline(always)]
     fn push(&mut self, node: Node) {
         if self.len == NEAR {
-            self.rest.extend_from_slice(&self.near);
+            self.rest.extend(self.near.iter().flatten());
             self.len = 0;
         }
-        self.near[self.len % NEAR] = node;
+        self.near[self.len % NEAR] = Some(node);
         self.len += 1;
     }
 
@@ -108,9 +110,19 @@ impl Waiting {
         match self.len.checked_sub(1) {
             Some(last) => {
                 self.len = last;
-                Some(self.near[last % NEAR])
+                self.near[last % NEAR]
             }
             None => self.rest.pop(),
+        }
+    }
+}
+
+impl Walk {
+    #[inline(always)]
+    fn framed(&self, number: usize) -> &Framed {
+        match self.made.get(number) {
+            Some(Some(made)) => made,
+            _ => &self.own,
         }
     }
 }
@@ -142,22 +154,21 @@ impl<P: Probe> Descent<'_, P> {
         }
         let single = (0..2).all(|k| (part[k][1] - 1) >> bits == first[k]);
         let prism = self.cells.prism;
-        let framed =
-            Framed { path, size: self.area.extent() * (prism.range()[1] - prism.range()[0]) };
+        let own = Framed { path, size: prism.extent() * (prism.range()[1] - prism.range()[0]) };
         let heights = prism.heights;
         let mut walk = Walk {
             forward,
-            frames: [framed; FRAMES],
-            waiting: Waiting { near: [Node::default(); NEAR], len: 0, rest: Vec::new() },
+            own,
+            made: [const { None }; OWN],
+            waiting: Waiting { near: [const { None }; NEAR], len: 0, rest: Vec::new() },
         };
-        let top = FRAMES - 1;
         if single {
-            let node = Node { span, place: first, heights, level, frame: top as u32 };
+            let node = Node { span, place: first, heights, level, frame: OWN as u32 };
             walk.waiting.push(node);
         } else {
             let (low, high) = (L::splat(heights[0]), L::splat(heights[1]));
             self.cells.probe.node();
-            self.parts(&mut walk, &Parts { level, first, frame: top, span, low, high });
+            self.parts(&mut walk, &Parts { level, first, frame: OWN, span, low, high });
         }
         while let Some(node) = walk.waiting.pop() {
             if self.enter::<L>(&mut walk, node) {
@@ -179,12 +190,12 @@ impl<P: Probe> Descent<'_, P> {
             return self.block::<L>(walk, &node);
         }
         let (mut frame, level, side) = (node.frame as usize, node.level as usize, node.side());
-        let framed = &walk.frames[frame];
+        let framed = walk.framed(frame);
         if is_coarse(&framed.path, 0.25 * f64::from(side))
-            && level < FRAMES - 1
+            && level < OWN
             && let Some(better) = self.better_frame(walk, &node, framed)
         {
-            walk.frames[level] = better;
+            walk.made[level] = Some(better);
             frame = level;
         }
         let mesh = self.cells.mesh;
@@ -200,15 +211,15 @@ impl<P: Probe> Descent<'_, P> {
     #[inline(never)]
     fn better_frame(&self, walk: &Walk, node: &Node, old: &Framed) -> Option<Framed> {
         let Cells { mesh, prism, .. } = self.cells;
-        let Walk { forward, frames, .. } = walk;
-        let side = node.side();
+        let Walk { forward, own, .. } = walk;
+        let (side, area) = (node.side(), prism.area());
         let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
         for k in 0..2 {
             // The node, cut to the box of the footprint.
             let first = f64::from((node.place[k] * side).max(forward.first[k]));
             let end = f64::from(((node.place[k] + 1) * side).min(forward.end[k]));
             let (sign, shift) = (f64::from(forward.sign[k]), f64::from(forward.shift[k]));
-            let ends = [self.area.low[k], self.area.high[k]].map(|x| sign * x + shift);
+            let ends = [area.low[k], area.high[k]].map(|x| sign * x + shift);
             low[k] = first.max(ends[0].min(ends[1])) - MARGIN;
             high[k] = end.min(ends[0].max(ends[1])) + MARGIN;
             if low[k] > high[k] {
@@ -223,8 +234,7 @@ impl<P: Probe> Descent<'_, P> {
         if size > WORTH * old.size || prism.frame.is_blind() {
             return None;
         }
-        let path =
-            forward.bent(&prism.frame, prism.centre()).about(&frames[FRAMES - 1].path, low, high);
+        let path = forward.bent(&prism.frame, prism.centre()).about(&own.path, low, high);
         let error = path.error.x.max(path.error.y);
         let better = error < WORTH * old.path.error.x.max(old.path.error.y);
         (better && error < f64::from(8 * side)).then_some(Framed { path, size })
@@ -235,7 +245,7 @@ impl<P: Probe> Descent<'_, P> {
     fn parts<L: Lanes>(&mut self, walk: &mut Walk, parts: &Parts<L>) {
         let Parts { level, first, frame, span, low, high } = *parts;
         let part = 4 << (2 * (level + 1));
-        let path = &walk.frames[frame].path;
+        let path = &walk.framed(frame).path;
         let (mut hits, mut spans) = (u16::MAX, None);
         if !path.is_blind() {
             let corner = first.map(|x| f64::from(x * part));
@@ -277,7 +287,7 @@ impl<P: Probe> Descent<'_, P> {
     #[inline(always)]
     fn block<L: Lanes>(&mut self, walk: &Walk, node: &Node) -> bool {
         let (mesh, forward) = (self.cells.mesh, &walk.forward);
-        let framed = &walk.frames[node.frame as usize];
+        let framed = walk.framed(node.frame as usize);
         let corners = square::cell_corners::<L>(mesh, node.place, forward.turn);
         let [h00, h10, h01, h11] = corners;
         let low = h00.smaller(h10).smaller(h01.smaller(h11));

@@ -69,10 +69,9 @@ impl<P: Probe> PrismWalk<'_, P> {
                 return false;
             }
         }
-        let area = prism.area();
-        let shown = area.cells();
+        let shown = prism.cells;
         let heights = mesh.relief.heights();
-        let mut descent = Descent { cells, area };
+        let mut descent = Descent { cells };
         let mut next_x = Part::new(heights.x(), &path, 0, span, shown[0]);
         while let Some((run_x, span)) = next_x.next(heights.x(), &path) {
             let mut next_y = Part::new(heights.y(), &path, 1, span, shown[1]);
