@@ -257,7 +257,9 @@ impl Camera {
             None => self.frame,
             Some(_) => self.frame_at(time).unwrap_or(self.frame),
         };
-        Ray { time, ..self.through(&frame, x, y, lens) }
+        let mut ray = self.through(&frame, x, y, lens);
+        ray.time = time;
+        ray
     }
 
     /// The ray of a frame through a point of the image and one of the lens.
