@@ -22,7 +22,8 @@ const SCENES: &[(&str, &str, &str)] = &[
 ];
 
 /// Scenes of no map file, and the size of their pictures.
-const OTHERS: &[(&str, &str)] = &[("rolling", "576x360"), ("field", "576x360"), ("materials", "640x360")];
+const OTHERS: &[(&str, &str)] =
+    &[("rolling", "576x360"), ("field", "576x360"), ("materials", "640x360")];
 
 pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
     let mut gallery = Table::new(&[

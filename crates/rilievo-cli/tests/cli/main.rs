@@ -12,5 +12,6 @@ mod parts;
 mod render;
 mod stopped;
 mod support;
+mod texture_memory;
 mod texture_sets;
 mod usage;
