@@ -34,8 +34,12 @@ pub struct MemoryUse {
 /// Touched by the stack of a thread that traces.
 const STACK: u64 = 64 << 10;
 
-/// Upper bound on the tree's bytes per surface: two nodes and an index.
-const TREE: u64 = 128 + 4;
+/// Upper bound on the trees' bytes per surface: two nodes and an index; a part of a node of sixteen
+/// and an index.
+const TREE: u64 = 128 + 4 + 64 + 4;
+
+/// What a quad that is ready for rays holds beside itself.
+const QUAD: u64 = 352;
 
 impl MemoryUse {
     /// What `scene` rendered under `options` will hold.
@@ -80,7 +84,8 @@ impl MemoryUse {
     /// Adds what a surface holds; `first` says whether something shared was not met before.
     fn add(&mut self, surface: &Surface, first: &mut impl FnMut(*const ()) -> bool) {
         match surface {
-            Surface::Quad(_) | Surface::Sphere(_) => {}
+            Surface::Quad(_) => self.geometry += QUAD,
+            Surface::Sphere(_) => {}
             Surface::Mesh(mesh) => self.geometry += mesh.bytes(),
             Surface::Face(face) => {
                 self.geometry += size_of_val(face.as_ref()) as u64;

@@ -122,6 +122,23 @@ impl WideBvh {
         }
         let rounded = |t: f64| ((t * largest) as f32).next_up();
         let mut limit = rounded(ray.t_max);
+        let line = Line { start, inverse };
+        if let [only] = self.nodes.as_slice() {
+            probe.node();
+            let (mut hits, near) = only.entered::<L>(&line, limit);
+            while hits != 0 {
+                let lane = nearest(hits, &near);
+                if near[lane] > limit {
+                    return;
+                }
+                hits &= !(1 << lane);
+                match visitor.visit::<L>(only.children[lane] & !ITEM, probe) {
+                    Some(t_max) => limit = rounded(t_max),
+                    None => return,
+                }
+            }
+            return;
+        }
         let mut waiting = Waiting { near: [Entry(0); NEAR], len: 0, rest: Vec::new() };
         let mut index = 0;
         loop {
@@ -133,19 +150,8 @@ impl WideBvh {
             } else {
                 probe.node();
                 let node = &self.nodes[index as usize];
-                let mut near = L::splat(0.0);
-                let mut far = L::splat(limit);
-                for axis in 0..3 {
-                    let (origin, inverse_lanes) = (L::splat(start[axis]), L::splat(inverse[axis]));
-                    let forward = inverse[axis] >= 0.0;
-                    let (low, high) = (&node.low[axis], &node.high[axis]);
-                    let (enter, leave) = if forward { (low, high) } else { (high, low) };
-                    near = near.larger(L::load(enter).minus(origin).times(inverse_lanes));
-                    far = far.smaller(L::load(leave).minus(origin).times(inverse_lanes));
-                }
-                let mut hits = L::bits(near.at_most(far));
+                let (mut hits, near) = node.entered::<L>(&line, limit);
                 if hits != 0 {
-                    let near = near.store();
                     let first = waiting.room();
                     while hits != 0 {
                         let lane = hits.trailing_zeros() as usize % WIDTH;
@@ -237,10 +243,48 @@ impl Waiting {
     }
 }
 
+/// A ray in single precision.
+struct Line {
+    start: [f32; 3],
+    /// Of the direction in lengths of its largest component.
+    inverse: [f32; 3],
+}
+
+/// The lane of least entry among those whose bits are set, at least one.
+#[inline(always)]
+fn nearest(hits: u16, near: &[f32; WIDTH]) -> usize {
+    let mut lane = hits.trailing_zeros() as usize % WIDTH;
+    let mut rest = hits & hits.wrapping_sub(1);
+    while rest != 0 {
+        let other = rest.trailing_zeros() as usize % WIDTH;
+        rest &= rest - 1;
+        if near[other] < near[lane] {
+            lane = other;
+        }
+    }
+    lane
+}
+
 impl Node {
     /// No children: boxes that no ray meets.
     const EMPTY: Self =
         Self { low: [[f32::MAX; WIDTH]; 3], high: [[f32::MIN; WIDTH]; 3], children: [NONE; WIDTH] };
+
+    /// A bit for each child that a ray may meet up to `limit`, and where it enters them.
+    #[inline(always)]
+    fn entered<L: Lanes>(&self, line: &Line, limit: f32) -> (u16, [f32; WIDTH]) {
+        let mut near = L::splat(0.0);
+        let mut far = L::splat(limit);
+        for axis in 0..3 {
+            let (start, inverse) = (L::splat(line.start[axis]), L::splat(line.inverse[axis]));
+            let forward = line.inverse[axis] >= 0.0;
+            let (low, high) = (&self.low[axis], &self.high[axis]);
+            let (enter, leave) = if forward { (low, high) } else { (high, low) };
+            near = near.larger(L::load(enter).minus(start).times(inverse));
+            far = far.smaller(L::load(leave).minus(start).times(inverse));
+        }
+        (L::bits(near.at_most(far)), near.store())
+    }
 }
 
 /// Up to sixteen nodes that together make a binary node. Those of more than sixteen items are opened

@@ -103,25 +103,92 @@ impl ShearedRay {
             }
             Edges::Widened => {
                 let reach = self.reach.max(a.reach).max(b.reach).max(c.reach);
-                let width = 2.0 * WIDENING * reach;
-                let sign = (weights[0] + weights[1] + weights[2]).signum();
-                for (w, (p, q)) in weights.iter_mut().zip([(c, b), (a, c), (b, a)]) {
-                    if *w * sign < -width * ((p.x - q.x).abs() + (p.y - q.y).abs()) {
-                        return None;
-                    }
-                    *w = (*w * sign).max(0.0) * sign;
-                }
+                let span =
+                    |p: ShearedVertex, q: ShearedVertex| (p.x - q.x).abs() + (p.y - q.y).abs();
+                weights = widened(weights, [span(c, b), span(a, c), span(b, a)], reach)?;
             }
         }
+        self.crossing(weights, [a.depth, b.depth, c.depth])
+    }
+
+    /// The crossings of the triangles 0 1 2 and 0 2 3 of four points with widened edges, as
+    /// [`ShearedRay::cross`] finds them. The points are given by axis, with the largest coordinate of
+    /// each triangle.
+    #[inline(always)]
+    pub(crate) fn cross_quad(
+        &self,
+        columns: &[[f64; 4]; 3],
+        reaches: [f64; 2],
+    ) -> [Option<Crossing>; 2] {
+        let [px, py, pz] = self.axes.map(|axis| columns[axis]);
+        let [ox, oy, oz] = self.axes.map(|axis| self.origin[axis]);
+        let [mut x, mut y, mut depths] = [[0.0; 4]; 3];
+        for k in 0..4 {
+            depths[k] = pz[k] - oz;
+            x[k] = (px[k] - ox) - self.shear[0] * depths[k];
+            y[k] = (py[k] - oy) - self.shear[1] * depths[k];
+        }
+        // Of each side, from a point to the next, and of the diagonal.
+        let (to_x, to_y) = ([x[1], x[2], x[3], x[0]], [y[1], y[2], y[3], y[0]]);
+        let [mut sides, mut spans] = [[0.0; 4]; 2];
+        for k in 0..4 {
+            sides[k] = x[k] * to_y[k] - y[k] * to_x[k];
+            spans[k] = (x[k] - to_x[k]).abs() + (y[k] - to_y[k]).abs();
+        }
+        let mut diagonal = x[0] * y[2] - y[0] * x[2];
+        if diagonal == 0.0 || sides.contains(&0.0) {
+            let at = |k: usize| ShearedVertex { x: x[k], y: y[k], depth: 0.0, reach: 0.0 };
+            sides =
+                [edge(at(0), at(1)), edge(at(1), at(2)), edge(at(2), at(3)), edge(at(3), at(0))];
+            diagonal = edge(at(0), at(2));
+        }
+        let across = (x[0] - x[2]).abs() + (y[0] - y[2]).abs();
+        // The other way round an edge is its negative; a zero stays above 0.
+        let halves = [
+            ([0.0 - sides[1], diagonal, 0.0 - sides[0]], [spans[1], across, spans[0]], [0, 1, 2]),
+            (
+                [0.0 - sides[2], 0.0 - sides[3], 0.0 - diagonal],
+                [spans[2], spans[3], across],
+                [0, 2, 3],
+            ),
+        ];
+        let mut found = [None; 2];
+        for half in 0..2 {
+            let (weights, spans, [a, b, c]) = halves[half];
+            if let Some(weights) = widened(weights, spans, self.reach.max(reaches[half])) {
+                found[half] = self.crossing(weights, [depths[a], depths[b], depths[c]]);
+            }
+        }
+        found
+    }
+
+    /// The crossing of a triangle with these edge functions and depths.
+    #[inline(always)]
+    fn crossing(&self, weights: [f64; 3], depths: [f64; 3]) -> Option<Crossing> {
         let sum = weights[0] + weights[1] + weights[2];
         if sum == 0.0 {
             return None;
         }
-        let weights = weights.map(|w| w / sum);
-        let depth = weights[0] * a.depth + weights[1] * b.depth + weights[2] * c.depth;
+        let weights = [weights[0] / sum, weights[1] / sum, weights[2] / sum];
+        let depth = weights[0] * depths[0] + weights[1] * depths[1] + weights[2] * depths[2];
         let t = depth / self.along;
         t.is_finite().then_some(Crossing { t, weights, front: sum > 0.0 })
     }
+}
+
+/// Edge functions of a triangle whose edges, of these spans, are widened: cut at 0 where they are of the
+/// other sign; nothing where one lies further outside.
+#[inline(always)]
+fn widened(mut weights: [f64; 3], spans: [f64; 3], reach: f64) -> Option<[f64; 3]> {
+    let width = 2.0 * WIDENING * reach;
+    let sign = (weights[0] + weights[1] + weights[2]).signum();
+    for (w, span) in weights.iter_mut().zip(spans) {
+        if *w * sign < -width * span {
+            return None;
+        }
+        *w = (*w * sign).max(0.0) * sign;
+    }
+    Some(weights)
 }
 
 /// Twice the signed area of the origin, `q` and `p`, with its exact sign.

@@ -35,8 +35,8 @@ pub(crate) trait Shell {
 pub(crate) enum Departure<'a> {
     /// A triangle, and whether the ray leaves to where its normal points.
     Triangle([DVec3; 3], bool),
-    /// A parallelogram, likewise.
-    Parallelogram(&'a [DVec3; 4], bool),
+    /// A parallelogram, likewise, and its plane if that is known.
+    Parallelogram(&'a [DVec3; 4], Option<&'a Plane>, bool),
     /// A surface that fills a shell, and when the ray leaves it.
     Shell(&'a dyn Shell, f64),
 }
@@ -46,7 +46,7 @@ impl Departure<'_> {
     fn hull(&self) -> [DVec3; 8] {
         match *self {
             Self::Triangle([a, b, c], _) => [a, b, c, c, c, c, c, c],
-            Self::Parallelogram(&[a, b, c, d], _) => [a, b, c, d, d, d, d, d],
+            Self::Parallelogram(&[a, b, c, d], ..) => [a, b, c, d, d, d, d, d],
             Self::Shell(shell, time) => shell.hull(time),
         }
     }
@@ -55,7 +55,9 @@ impl Departure<'_> {
     fn plane(&self) -> Option<(Plane, bool)> {
         match *self {
             Self::Triangle(corners, front) => Some((Plane::through(&corners), front)),
-            Self::Parallelogram(&[a, b, _, d], front) => Some((Plane::through(&[a, b, d]), front)),
+            Self::Parallelogram(&[a, b, _, d], plane, front) => {
+                Some((plane.copied().unwrap_or_else(|| Plane::through(&[a, b, d])), front))
+            }
             Self::Shell(..) => None,
         }
     }
@@ -69,13 +71,24 @@ impl Departure<'_> {
         corners: &[DVec3; 3],
         crossing: &Crossing,
     ) -> Option<f64> {
+        self.meeting_in(&Plane::through(corners), start, corners, crossing)
+    }
+
+    /// [`Departure::meeting`] with a triangle whose plane is known.
+    #[inline]
+    pub(crate) fn meeting_in(
+        &self,
+        plane: &Plane,
+        start: DVec3,
+        corners: &[DVec3; 3],
+        crossing: &Crossing,
+    ) -> Option<f64> {
         if let Some((own, front)) = self.plane() {
             let leaving = if front { Side::Front } else { Side::Back };
             if corners.iter().all(|&p| own.side(p, 0.0) != leaving) {
                 return None;
             }
         }
-        let plane = Plane::through(corners);
         let at_or_after = (crossing.t >= 0.0).then_some(crossing.t);
         if plane.side(start, ON_PLANE) != Side::On {
             return at_or_after;
@@ -100,7 +113,7 @@ enum Side {
 
 /// The plane of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+pub(crate) struct Plane {
     point: DVec3,
     /// Cross product of two edges.
     normal: DVec3,
@@ -111,7 +124,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn through(&[a, b, c]: &[DVec3; 3]) -> Self {
+    pub(crate) fn through(&[a, b, c]: &[DVec3; 3]) -> Self {
         let (e, f) = (b - a, c - a);
         let normal = e.cross(f);
         Self {
@@ -153,7 +166,7 @@ mod tests {
         let n = (b - a).cross(c - a);
         let t = n.dot(a - start) / n.dot(direction);
         let crossing = Crossing { t, weights: [0.0; 3], front: n.dot(direction) < 0.0 };
-        let departure = Departure::Parallelogram(&FLOOR, true);
+        let departure = Departure::Parallelogram(&FLOOR, None, true);
         departure.meeting(start, &neighbour, &crossing).is_some_and(|t| t >= 0.0)
     }
 

@@ -49,7 +49,13 @@ enum Met<'a> {
     ReliefMesh(&'a ReliefMesh, MeshCrossing),
 }
 
-impl Meeting<'_> {
+impl<'a> Meeting<'a> {
+    /// Of a crossing of a quad's half.
+    #[inline]
+    pub(super) fn of_quad(quad: &'a Quad, (half, crossing): (usize, Crossing)) -> Self {
+        Self { met: Met::Quad(quad, half, crossing), standing: None }
+    }
+
     /// Ray parameter.
     #[inline]
     pub(super) fn t(&self) -> f64 {

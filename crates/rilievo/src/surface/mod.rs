@@ -13,7 +13,9 @@ mod meeting;
 mod motion;
 mod moving;
 mod place;
+mod prepared;
 mod quad;
+mod search;
 mod sphere;
 mod world;
 

@@ -105,7 +105,7 @@ impl Quad {
     /// What a ray that starts at `from`, on this quad, leaves.
     pub(crate) fn departure(&self, from: Origin) -> Option<Departure<'_>> {
         match from.part {
-            Part::Whole => Some(Departure::Parallelogram(&self.corners, from.front)),
+            Part::Whole => Some(Departure::Parallelogram(&self.corners, None, from.front)),
             Part::Triangle(half @ 0..2) => {
                 Some(Departure::Triangle(self.triangle(half as usize), from.front))
             }
@@ -118,7 +118,8 @@ impl Quad {
         let (position, position_error) =
             interpolate_position(&self.triangle(half), &crossing.weights);
         let normal = self.normals[half];
-        let [a, b, c] = TRIANGLES[half].map(|i| CORNER_UV[i]);
+        let [a, b, c] = TRIANGLES[half];
+        let [a, b, c] = [CORNER_UV[a], CORNER_UV[b], CORNER_UV[c]];
         let uv = crossing.weights[0] * a + crossing.weights[1] * b + crossing.weights[2] * c;
         let [c0, c1, c2, c3] = self.corners;
         let tangents = match (self.parallelogram, half) {
@@ -143,7 +144,8 @@ impl Quad {
     }
 
     fn triangle(&self, half: usize) -> [DVec3; 3] {
-        TRIANGLES[half].map(|i| self.corners[i])
+        let [a, b, c] = TRIANGLES[half];
+        [self.corners[a], self.corners[b], self.corners[c]]
     }
 
     fn part(&self, half: usize) -> Part {
@@ -162,7 +164,8 @@ impl Quad {
             return None;
         }
         let sheared = ShearedRay::new(ray);
-        let vertices = self.corners.map(|p| sheared.vertex(p));
+        let [a, b, c, d] = self.corners;
+        let vertices = [a, b, c, d].map(|p| sheared.vertex(p));
         let mut best: Option<(usize, Crossing)> = None;
         for (half, triangle) in TRIANGLES.iter().enumerate() {
             if own == Some(Part::Triangle(half as u32)) {

@@ -9,12 +9,15 @@ use crate::ray::Ray;
 use super::Surface;
 use super::lone::Lone;
 use super::meeting::Meeting;
+use super::search::WideWorld;
 
 /// Surfaces by index, ready to trace.
 #[derive(Clone, Debug)]
 pub struct World {
     surfaces: Vec<Surface>,
     tree: Bvh,
+    /// For rays that nobody counts.
+    pub(super) wide: Option<WideWorld>,
     /// Where one relief stands among few: traced without the tree.
     lone: Option<Lone>,
     moves: bool,
@@ -25,7 +28,9 @@ impl World {
     pub fn new(surfaces: Vec<Surface>) -> Self {
         let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
         let moves = surfaces.iter().any(|surface| matches!(surface, Surface::Moving(_)));
-        Self { tree: Bvh::build(&boxes, 1), lone: Lone::of(&surfaces), moves, surfaces }
+        let lone = Lone::of(&surfaces);
+        let wide = if lone.is_some() { None } else { WideWorld::of(&surfaces, &boxes) };
+        Self { tree: Bvh::build(&boxes, 1), wide, lone, moves, surfaces }
     }
 
     /// The surfaces, in order.
@@ -48,6 +53,13 @@ impl World {
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         if let Some(lone) = &self.lone {
             return lone.closest(&self.surfaces, ray, probe);
+        }
+        if let (Some(wide), None) = (&self.wide, probe.counters())
+            && let Some(found) = wide.closest(&self.surfaces, ray)
+        {
+            let ((index, meeting), mut hit) = (found?, None);
+            hit.insert(meeting.complete(ray)).surface = index;
+            return hit;
         }
         let left = departure(&self.surfaces, ray);
         let mut best: Option<(u32, Meeting<'_>)> = None;
@@ -95,6 +107,11 @@ impl World {
     fn occluded_by_all_but<P: Probe>(&self, ray: &Ray, exempt: Option<u32>, probe: &mut P) -> bool {
         if let Some(lone) = &self.lone {
             return lone.occluded(&self.surfaces, ray, exempt, probe);
+        }
+        if let (Some(wide), None) = (&self.wide, probe.counters())
+            && let Some(found) = wide.occluded(&self.surfaces, ray, exempt)
+        {
+            return found;
         }
         let left = departure(&self.surfaces, ray);
         self.tree.any(ray, probe, |index, ray, probe| {
