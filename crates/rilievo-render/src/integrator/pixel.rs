@@ -106,11 +106,13 @@ impl<'a> PixelTracer<'a> {
         self.packet.weights.clear();
         self.packet.numbers.clear();
         for index in first..end.min(first + PACKET as u64) {
-            let mut numbers =
-                PathSampler::new(settings.sampler, settings.seed, pixel, index, count);
-            let u = match (self.pixel_centers, &self.paths) {
+            let mut numbers = self
+                .paths
+                .as_ref()
+                .map(|_| PathSampler::new(settings.sampler, settings.seed, pixel, index, count));
+            let u = match (self.pixel_centers, &mut numbers) {
                 (true, _) => None,
-                (false, Some(_)) => Some(CameraNumbers::of(self.scene, |_| numbers.two())),
+                (false, Some(numbers)) => Some(CameraNumbers::of(self.scene, |_| numbers.two())),
                 (false, None) => {
                     let (table, strand) = (&mut self.table, Strand { index, count });
                     Some(CameraNumbers::of(self.scene, |what| table.point(what, strand)))
@@ -119,7 +121,7 @@ impl<'a> PixelTracer<'a> {
             let (ray, weight) = self.camera_ray(pixel, index, u);
             self.packet.rays.push(ray);
             self.packet.weights.push(weight);
-            self.packet.numbers.push(numbers);
+            self.packet.numbers.extend(numbers);
         }
         self.rays.camera += self.packet.rays.len() as u64;
         self.packet.trace(self.scene, steps);
@@ -185,7 +187,7 @@ struct Packet {
     rays: Vec<Ray>,
     /// What each counts.
     weights: Vec<f64>,
-    /// The numbers of each ray's path.
+    /// The numbers of each ray's path, if there are paths.
     numbers: Vec<PathSampler>,
     hits: [Option<Hit>; PACKET],
     /// Work that each ray took, if it was counted.

@@ -37,9 +37,14 @@ impl SphericalRectangle {
         // (0, z, -y0), (-z, 0, x1), (0, -z, y1) and (z, 0, -x0), each over its length. Neighbours
         // share z alone, and that is what their angle needs.
         let n = [-y[0], x[1], y[1], -x[0]];
-        let squared = n.map(|n| (n * n + z * z).max(f64::MIN_POSITIVE));
-        let b = [0, 1, 2, 3].map(|i| n[i] / squared[i].sqrt());
-        let rest = squared.map(|squared| z * z / squared);
+        // Written as loops: vectors take the roots and quotients of all four.
+        let (mut b, mut rest) = ([0.0; 4], [0.0; 4]);
+        for i in 0..4 {
+            let squared = n[i] * n[i] + z * z;
+            let squared = if squared > f64::MIN_POSITIVE { squared } else { f64::MIN_POSITIVE };
+            b[i] = n[i] / squared.sqrt();
+            rest[i] = z * z / squared;
+        }
         let inner = |i: usize, j: usize| {
             // 1 - (b b)^2, without its cancellation.
             let sine = (rest[i] + b[i] * b[i] * rest[j]).sqrt();

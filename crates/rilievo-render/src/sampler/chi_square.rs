@@ -58,11 +58,12 @@ pub(crate) fn check_directions(
     }
     let n = CELLS * FINE;
     let mut expected = vec![0.0; CELLS * CELLS];
+    let turns: Vec<(f64, f64)> =
+        (0..n).map(|column| (TAU * (column as f64 + 0.5) / n as f64).sin_cos()).collect();
     for row in 0..n {
         let z = -1.0 + 2.0 * (row as f64 + 0.5) / n as f64;
         let r = (1.0 - z * z).sqrt();
-        for column in 0..n {
-            let (sin, cos) = (TAU * (column as f64 + 0.5) / n as f64).sin_cos();
+        for (column, (sin, cos)) in turns.iter().enumerate() {
             let density = pdf(DVec3::new(r * cos, r * sin, z));
             expected[row / FINE * CELLS + column / FINE] +=
                 density * 2.0 * TAU / (n * n) as f64 * f64::from(SAMPLES);

@@ -143,9 +143,11 @@ impl PathSampler {
         match self.source {
             Source::Sobol(sample) => {
                 let index = shuffled(sample, key);
-                let x = scrambled(index, mixed(key, 1)).reverse_bits();
-                let y = scrambled(second(index), mixed(key, 2)).reverse_bits();
-                DVec2::new(unit(x), unit(y))
+                let x = scrambled(index, mixed(key, 1));
+                let y = scrambled(second(index), mixed(key, 2));
+                // Both are reversed at once.
+                let both = (u64::from(x) << 32 | u64::from(y)).reverse_bits();
+                DVec2::new(unit(both as u32), unit((both >> 32) as u32))
             }
             Source::Independent => DVec2::new(unit((key >> 32) as u32), unit(key as u32)),
             Source::Jittered { index, grid, .. } => jittered(key, grid, index),

@@ -1,7 +1,9 @@
 //! Scenes built in a few lines.
 
-use glam::DVec3;
-use rilievo::surface::{Quad, Sphere, Surface, World};
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 use rilievo_render::{
     Aov, Camera, CameraParts, Film, Material, Reflectance, RenderOptions, RenderSettings,
     RenderStats, Rgb, Scene, SceneParts, render,
@@ -84,6 +86,38 @@ impl Builder {
         })
         .unwrap()
     }
+}
+
+/// The quad of a corner and two edges as an instance: no light of the paper's integrator.
+pub fn glowing([corner, u, v]: [DVec3; 3]) -> Surface {
+    let quad = Quad::new([corner, corner + u, corner + u + v, corner + v], false).unwrap();
+    Instance::new(Arc::new(quad.into()), DAffine3::IDENTITY).unwrap().into()
+}
+
+/// The walls of the cube [-1, 1]^3 seen from within, their fronts inside, as quads or as instances.
+pub fn room(walls: &Material, as_instances: bool, settings: RenderSettings) -> Scene {
+    let view = camera([0.1, 0.2, 0.05], [1.0, 0.3, 0.2], 100.0, [24, 24]);
+    if !as_instances {
+        return Builder::default().room(DVec3::ZERO, 1.0, walls).scene(view, settings);
+    }
+    let mut builder = Builder::default();
+    for axis in DVec3::AXES {
+        for normal in [axis, -axis] {
+            let u = DVec3::new(axis.z, axis.x, axis.y);
+            let v = normal.cross(u);
+            let wall = glowing([-normal - u - v, 2.0 * u, 2.0 * v]);
+            builder = builder.surface(wall, walls.clone());
+        }
+    }
+    builder.scene(view, settings)
+}
+
+/// Mean of the red channel and its standard error, over pixels that are samples of one number.
+pub fn mean_of(film: &Film) -> (f64, f64) {
+    let n = film.radiance().len() as f64;
+    let values = || film.radiance().iter().map(|p| f64::from(p[0]));
+    let mean = values().sum::<f64>() / n;
+    (mean, (values().map(|x| (x - mean).powi(2)).sum::<f64>() / n / n).sqrt())
 }
 
 /// A camera with +z up.

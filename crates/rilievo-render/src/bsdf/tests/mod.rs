@@ -104,15 +104,16 @@ fn check_density(name: &str, bsdf: &Bsdf) {
         assert!(error <= 1e-9 * value.max_element(), "{name}: value {value}, pdf {pdf}");
     }
     let mut expected = vec![0.0; CELLS * CELLS];
+    let turns: Vec<(f64, f64)> = (0..CELLS * FINE)
+        .map(|column| (TAU * (column as f64 + 0.5) / (CELLS * FINE) as f64).sin_cos())
+        .collect();
     for row in 0..CELLS {
         // Around a pole a small angle is a very small step of z.
         let fine = if row == 0 || row == CELLS - 1 { 6 * FINE } else { FINE };
         for step in 0..fine {
             let z = (row as f64 + (step as f64 + 0.5) / fine as f64) * 2.0 / CELLS as f64 - 1.0;
             let r = (1.0 - z * z).sqrt();
-            for column in 0..CELLS * FINE {
-                let turn = (column as f64 + 0.5) / (CELLS * FINE) as f64;
-                let (sin, cos) = (TAU * turn).sin_cos();
+            for (column, (sin, cos)) in turns.iter().enumerate() {
                 let density = bsdf.evaluate(DVec3::new(r * cos, r * sin, z)).1;
                 let area = 4.0 * PI / (CELLS * CELLS * FINE * fine) as f64;
                 expected[row * CELLS + column / FINE] += density * area * f64::from(SAMPLES);
