@@ -22,7 +22,7 @@ use rilievo::{Hit, Ray};
 use super::RayCounts;
 use crate::bsdf::Bsdf;
 use crate::colour::Rgb;
-use crate::light::{Lighting, Receiver};
+use crate::light::{Aim, Drawn, Lighting, Receiver};
 use crate::sampler::PathSampler;
 use crate::scene::Scene;
 
@@ -45,9 +45,9 @@ pub(super) struct PathTracer<'a> {
     clamp: f64,
 }
 
-/// How the ray in hand was drawn.
+/// How the ray in hand was scattered.
 #[derive(Clone, Copy)]
-struct Drawn {
+struct Scattered {
     at: Receiver,
     /// Density of its direction, per steradian.
     pdf: f64,
@@ -77,7 +77,7 @@ impl<'a> PathTracer<'a> {
         let mut distance = ray.direction.length() * hit.map_or(0.0, |hit| hit.t);
         let mut met = hit.copied();
         // None where nothing but the ray itself could have found what it meets.
-        let mut drawn: Option<Drawn> = None;
+        let mut drawn: Option<Scattered> = None;
         for depth in 0.. {
             let Some(hit) = &met else {
                 radiance += self.held(throughput * self.escaped(direction, drawn), depth);
@@ -98,21 +98,34 @@ impl<'a> PathTracer<'a> {
             let bsdf = Bsdf::new(material, hit, view, self.spread * distance);
             let facing = if hit.front { hit.geometric_normal } else { -hit.geometric_normal };
             let both_sides = bsdf.transmits();
-            let at = Receiver { position: hit.position, normal: Some(facing), both_sides };
+            let at = Receiver {
+                position: hit.position,
+                normal: Some(facing),
+                both_sides,
+                time: hit.time,
+            };
             // Drawn whether or not they are used, so that every bounce has dimensions of its own.
             let choice = if self.chooses { sampler.one() } else { 0.0 };
             let (point, lobe, place) = (sampler.two(), sampler.one(), sampler.two());
-            if !bsdf.is_delta()
-                && let Some((sample, surface)) = self.lighting.sample(world, &at, choice, point)
+            let drawn_light = match bsdf.is_delta() {
+                true => None,
+                false => self.lighting.sample(world, &at, choice, point),
+            };
+            match drawn_light {
                 // A flat quad or a sphere cannot light itself.
-                && surface != Some(hit.surface)
-            {
-                let (value, pdf) = bsdf.evaluate(sample.direction);
-                if value != Rgb::ZERO && self.is_free(hit, &sample, surface, rays) {
-                    let weight = if sample.pdf > 0.0 { power(sample.pdf, pdf) } else { 1.0 };
-                    let brought = throughput * value * sample.weight * weight;
+                Some(Drawn::Point(sample, surface)) if surface != Some(hit.surface) => {
+                    let (value, pdf) = bsdf.evaluate(sample.direction);
+                    if value != Rgb::ZERO && self.is_free(hit, &sample, surface, rays) {
+                        let weight = if sample.pdf > 0.0 { power(sample.pdf, pdf) } else { 1.0 };
+                        let brought = throughput * value * sample.weight * weight;
+                        radiance += self.held(brought, depth + 1);
+                    }
+                }
+                Some(Drawn::Aim(aim)) => {
+                    let brought = throughput * self.aimed((hit, &at), &bsdf, &aim, rays);
                     radiance += self.held(brought, depth + 1);
                 }
+                _ => {}
             }
             let Some(scattered) = bsdf.sample(lobe, place) else { break };
             throughput *= scattered.weight;
@@ -123,7 +136,7 @@ impl<'a> PathTracer<'a> {
                 }
                 throughput /= go_on;
             }
-            drawn = (!scattered.delta).then_some(Drawn { at, pdf: scattered.pdf });
+            drawn = (!scattered.delta).then_some(Scattered { at, pdf: scattered.pdf });
             direction = scattered.direction;
             match scattered.roughness < 1.0 {
                 true => rays.reflection += 1,
@@ -153,8 +166,34 @@ impl<'a> PathTracer<'a> {
         }
     }
 
+    /// What the emitter that a ray was aimed at sends back against the view.
+    fn aimed(
+        &self,
+        (hit, at): (&Hit, &Receiver),
+        bsdf: &Bsdf,
+        aim: &Aim,
+        rays: &mut RayCounts,
+    ) -> Rgb {
+        let direction = aim.way(hit.position).normalize_or_zero();
+        let (value, pdf) = bsdf.evaluate(direction);
+        if value == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        rays.shadow += 1;
+        let world = self.scene.world();
+        let Some(met) = world.closest(&aim.ray(hit), &mut ()).filter(|met| aim.finds(met)) else {
+            return Rgb::ZERO;
+        };
+        let sampled = self.lighting.pdf_of_hit(world, at, direction, &met);
+        if sampled <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let emitted = self.scene.material(met.surface).emitted_at(met.uv);
+        value * emitted * (power(sampled, pdf) / sampled)
+    }
+
     /// Radiance that comes against a ray that meets nothing.
-    fn escaped(&self, direction: DVec3, drawn: Option<Drawn>) -> Rgb {
+    fn escaped(&self, direction: DVec3, drawn: Option<Scattered>) -> Rgb {
         let weight = |sampled| drawn.map_or(1.0, |drawn| power(drawn.pdf, sampled));
         self.scene.background() + self.lighting.escaped(direction, weight)
     }
@@ -183,7 +222,72 @@ fn power(own: f64, other: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+    use rilievo::surface::{Quad, Surface, World};
+
     use super::*;
+    use crate::light::fixtures::emitters;
+    use crate::sampler::SamplerKind;
+    use crate::scene::{Camera, CameraParts, Material, SceneParts};
+
+    /// An emitter that shines up between two grey planes.
+    fn lit_from_below(surface: Surface, material: Material) -> Scene {
+        let plane = |z: f64, side: f64| {
+            let corners = [[-side, -side], [side, -side], [side, side], [-side, side]];
+            Surface::Quad(Quad::new(corners.map(|[x, y]| DVec3::new(x, y, z)), false).unwrap())
+        };
+        let camera = CameraParts {
+            position: DVec3::NEG_Y,
+            look_at: DVec3::ZERO,
+            up: DVec3::Z,
+            fov: 40.0,
+            resolution: [8, 8],
+        };
+        let settings = crate::RenderSettings { max_depth: 2, ..Default::default() };
+        Scene::new(SceneParts {
+            world: World::new(vec![surface, plane(2.5, 2.0), plane(-1.6, 2.0)]),
+            materials: vec![material, Material::default()],
+            material_of: vec![0, 1, 1],
+            camera: Camera::new(camera).unwrap(),
+            background: Rgb::ZERO,
+            ambient: Rgb::ZERO,
+            settings,
+        })
+        .unwrap()
+    }
+
+    /// Mean of what paths find that begin at the upper plane, and its standard error.
+    fn mean(tracer: &PathTracer<'_>) -> (f64, f64) {
+        let (n, mut rays) = (6000, RayCounts::default());
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for k in 0..n {
+            let mut sampler = PathSampler::new(SamplerKind::Sobol, 3, [0, 0], k, n);
+            let to = 2.0 * sampler.two() - DVec2::ONE;
+            let from = DVec3::new(5.0, 0.0, 2.0);
+            let ray = Ray::new(from, to.extend(2.5) - from);
+            let hit = tracer.scene.world().closest(&ray, &mut ());
+            let found = tracer.radiance(&ray, hit.as_ref(), &mut sampler, &mut rays).x;
+            (sum, squares) = (sum + found, squares + found * found);
+        }
+        let (mean, n) = (sum / n as f64, n as f64);
+        (mean, ((squares / n - mean * mean) / n).sqrt())
+    }
+
+    #[test]
+    fn emitters_light_as_much_sampled_as_met_by_chance() {
+        let none = Lighting::none();
+        for (name, surface, material) in emitters() {
+            let scene = lit_from_below(surface, material);
+            let both = PathTracer::new(&scene, 0.0);
+            let chance =
+                PathTracer { lighting: &none, chooses: false, ..PathTracer::new(&scene, 0.0) };
+            let (sampled, met) = (mean(&both), mean(&chance));
+            let found = format!("{name}: {sampled:?}, by chance {met:?}");
+            // Pairs of the sequence are not independent: the errors are bounds.
+            assert!((sampled.0 - met.0).abs() < 4.0 * sampled.1.hypot(met.1), "{found}");
+            assert!(sampled.0 > 0.0 && sampled.1 < met.1, "{found}");
+        }
+    }
 
     #[test]
     fn weights_of_two_techniques_add_up() {

@@ -18,6 +18,9 @@ pub(super) struct LightBounds {
     pub cos_normals: f64,
     /// Cosine of the largest angle between a normal and light that is sent out.
     pub cos_emission: f64,
+    /// The part of the intensity whose importance is held, and at how much.
+    pub held: f64,
+    pub most: f64,
 }
 
 impl LightBounds {
@@ -31,6 +34,8 @@ impl LightBounds {
             axis,
             cos_normals,
             cos_emission: self.cos_emission.min(other.cos_emission),
+            held: self.held + other.held,
+            most: self.most + other.most,
         }
     }
 
@@ -51,6 +56,13 @@ impl LightBounds {
         self.intensity * directions * stretch * area
     }
 
+    /// What the intensity brings, a part of it at most `most`.
+    #[inline]
+    fn held_at(&self, brought: impl Fn(f64) -> f64, most: f64) -> f64 {
+        let free = brought(self.intensity - self.held);
+        if self.held > 0.0 { free + brought(self.held).min(most) } else { free }
+    }
+
     /// An estimate of what the group brings to a receiver, 0 only where it can bring nothing.
     pub fn importance(&self, at: &Receiver) -> f64 {
         let half = 0.5 * (self.max - self.min);
@@ -62,7 +74,7 @@ impl LightBounds {
         let reach = squared.max(0.1 * radius_squared).max(f64::MIN_POSITIVE);
         if squared <= radius_squared {
             // From within the sphere around the box light may come from everywhere.
-            return self.intensity / reach;
+            return self.held_at(|intensity| intensity / reach, BESIDE * self.most);
         }
         let towards = way / squared.sqrt();
         let sin2_box = radius_squared / squared;
@@ -77,7 +89,8 @@ impl LightBounds {
         if cos <= self.cos_emission - ROUNDING {
             return 0.0;
         }
-        let mut importance = self.intensity * cos.max(ROUNDING) / reach;
+        let brought = |intensity| intensity * cos.max(ROUNDING) / reach;
+        let mut importance = self.held_at(brought, self.most);
         if let Some(normal) = at.normal {
             let cos_in = -towards.dot(normal);
             let cos_in = if at.both_sides { cos_in.abs() } else { cos_in };
@@ -91,6 +104,10 @@ impl LightBounds {
         importance
     }
 }
+
+/// The share of what is held that counts beside or on its emitters: most of a relief is behind the
+/// receiver's own plane then.
+const BESIDE: f64 = 0.1;
 
 /// Cosines this much too small are still taken for those that they are compared with.
 const ROUNDING: f64 = 1e-6;

@@ -7,9 +7,10 @@
 //!
 //! Both halves of multiple importance sampling \[Veach1995\] ask here: [`Lighting::sample`] for next
 //! event estimation, [`Lighting::pdf_of_hit`] and [`Lighting::escaped`] for what a scattered ray has
-//! met by itself. An emitter that cannot be sampled has the density 0 there, so such a ray counts in
-//! full; the two densities are of the same tree and the same receiver.
+//! met by itself; the two densities are of the same tree and the same receiver. Where the density of a
+//! meeting is 0, as on the upright walls of a relief, such a ray counts in full.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -17,12 +18,15 @@ use rilievo::surface::{Surface, World};
 use rilievo::{Hit, Part};
 
 use super::bounds::LightBounds;
+use super::emitter::{Aim, Emitter};
 use super::environment::Environment;
+use super::shape::Shape;
 use super::tree::LightTree;
 use super::{Light, LightSample, SunLight, TriangleLight};
 use crate::colour::Rgb;
+use crate::scene::Material;
 
-/// Most lights in the tree. Meshes beyond only glow.
+/// Most lights in the tree. Meshes beyond are drawn as a whole first.
 const LIGHTS: usize = 1 << 24;
 
 /// The point that light is sampled for.
@@ -34,6 +38,17 @@ pub(crate) struct Receiver {
     pub normal: Option<DVec3>,
     /// Whether light from behind the surface counts too.
     pub both_sides: bool,
+    /// When it is.
+    pub time: f64,
+}
+
+/// A sample of the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Drawn {
+    /// A point of a light, and the surface that cannot be in its way.
+    Point(LightSample, Option<u32>),
+    /// A ray, which counts if it meets what it was aimed at.
+    Aim(Aim),
 }
 
 /// A light that a surface or a part of one is.
@@ -43,11 +58,13 @@ enum OfSurface {
     Nothing,
     /// From this one on, by the number of the part.
     From(u32),
+    /// This one of the emitters.
+    Emitter(u32),
 }
 
 /// A mesh whose triangles are lights.
 #[derive(Clone, Copy, Debug)]
-struct Emitter {
+struct EvenMesh {
     /// The light that its triangle 0 is.
     first: u32,
     surface: u32,
@@ -60,28 +77,32 @@ pub(crate) struct Lighting {
     /// Lights by themselves: the first in the tree.
     lights: Vec<Light>,
     /// Meshes, after them.
-    meshes: Vec<Emitter>,
+    meshes: Vec<EvenMesh>,
+    /// What has a shape, after those.
+    emitters: Vec<Emitter>,
+    /// The light that the first of them is.
+    first_emitter: u32,
+    shapes: Vec<Shape>,
     of_surface: Vec<OfSurface>,
     tree: LightTree,
     suns: Vec<SunLight>,
     environment: Option<Arc<Environment>>,
+    /// Whether there is anything to choose.
+    chooses: bool,
 }
 
 impl Lighting {
-    /// The light of surfaces, by what each emits, of `lamps` and an environment.
-    pub(crate) fn new(
+    /// The light of surfaces, by the material of each, of `lamps` and an environment.
+    pub(crate) fn new<'a>(
         world: &World,
-        emitted: impl Fn(u32) -> Rgb,
+        material: impl Fn(u32) -> &'a Material,
         lamps: &[Light],
         environment: Option<Arc<Environment>>,
     ) -> Self {
         let mut all = Self {
-            lights: Vec::new(),
-            meshes: Vec::new(),
             of_surface: vec![OfSurface::Nothing; world.surfaces().len()],
-            tree: LightTree::default(),
-            suns: Vec::new(),
             environment,
+            ..Self::none()
         };
         for lamp in lamps {
             match lamp {
@@ -89,52 +110,103 @@ impl Lighting {
                 lamp => all.lights.push(*lamp),
             }
         }
-        let mut meshes = Vec::new();
-        for (index, surface) in world.surfaces().iter().enumerate() {
-            let (place, index) = (index, index as u32);
+        let (mut meshes, mut others) = (Vec::new(), Vec::new());
+        for (index, surface) in (0..).zip(world.surfaces()) {
+            let material = material(index);
+            let even = material.even_emission();
             match surface {
-                Surface::Mesh(mesh) if emitted(index) != Rgb::ZERO => meshes.push((mesh, index)),
-                surface => {
-                    let own = Light::of_surface(surface, index, emitted(index));
-                    if !own.is_empty() {
-                        all.of_surface[place] = OfSurface::From(all.lights.len() as u32);
-                        all.lights.extend(own);
-                    }
+                _ if !material.emits() => {}
+                Surface::Mesh(mesh) if even != Rgb::ZERO => meshes.push((mesh, index)),
+                Surface::Quad(_) | Surface::Sphere(_) if even != Rgb::ZERO => {
+                    let own = Light::of_surface(surface, index, even);
+                    all.of_surface[index as usize] = OfSurface::From(all.lights.len() as u32);
+                    all.lights.extend(own);
                 }
+                _ => others.push(index),
             }
         }
         let bounds_of = |light: &Light| light.bounds().unwrap_or(NO_LIGHT);
         let mut bounds: Vec<LightBounds> = all.lights.iter().map(bounds_of).collect();
         for (mesh, surface) in meshes {
-            let (emitted, count) = (emitted(surface), mesh.data().triangles.len());
+            let (emitted, count) = (material(surface).emitted, mesh.data().triangles.len());
             if bounds.len() + count > LIGHTS {
+                others.push(surface);
                 continue;
             }
             let first = bounds.len() as u32;
             all.of_surface[surface as usize] = OfSurface::From(first);
-            all.meshes.push(Emitter { first, surface, emitted });
+            all.meshes.push(EvenMesh { first, surface, emitted });
             bounds.extend((0..count as u32).map(|k| {
                 let light = TriangleLight::new(mesh.corners(k), surface, emitted);
                 if light.has_area() { bounds_of(&Light::Triangle(light)) } else { NO_LIGHT }
             }));
         }
+        all.first_emitter = bounds.len() as u32;
+        all.add_emitters(world, &material, &others, &mut bounds);
         all.tree = LightTree::new(&bounds);
+        let parts = all.emitters.iter().any(|e| all.shapes[e.shape as usize].chooses());
+        all.chooses = all.infinite() + all.tree.len() > 1 || parts;
         all
+    }
+
+    /// No light: whatever shines is found by chance.
+    pub(crate) fn none() -> Self {
+        Self {
+            lights: Vec::new(),
+            meshes: Vec::new(),
+            emitters: Vec::new(),
+            first_emitter: 0,
+            shapes: Vec::new(),
+            of_surface: Vec::new(),
+            tree: LightTree::default(),
+            suns: Vec::new(),
+            environment: None,
+            chooses: false,
+        }
+    }
+
+    /// Adds surfaces that are drawn by their shapes; instances of one surface and material share one.
+    fn add_emitters<'a>(
+        &mut self,
+        world: &World,
+        material: impl Fn(u32) -> &'a Material,
+        surfaces: &[u32],
+        bounds: &mut Vec<LightBounds>,
+    ) {
+        let mut known: HashMap<(*const Surface, *const Material), Option<u32>> = HashMap::new();
+        let mut bounds_of_shapes = Vec::new();
+        for &index in surfaces {
+            let Some(surface) = world.surfaces().get(index as usize) else { continue };
+            let (made, material) = (prototype(surface), material(index));
+            let shape = *known.entry((made, material)).or_insert_with(|| {
+                let (shape, bounds) = Shape::of(made, material)?;
+                self.shapes.push(shape);
+                bounds_of_shapes.push(bounds);
+                Some(self.shapes.len() as u32 - 1)
+            });
+            let Some(shape) = shape else { continue };
+            let emitter = Emitter::new(index, shape, surface);
+            bounds.push(emitter.bounds(surface, bounds_of_shapes[shape as usize]));
+            self.of_surface[index as usize] = OfSurface::Emitter(self.emitters.len() as u32);
+            self.emitters.push(emitter);
+        }
     }
 
     /// Bytes held, without the environment's.
     pub(crate) fn bytes(&self) -> u64 {
-        let own = size_of_val(self.lights.as_slice()) + size_of_val(self.of_surface.as_slice());
-        own as u64 + self.tree.bytes()
+        let own = size_of_val(self.lights.as_slice())
+            + size_of_val(self.of_surface.as_slice())
+            + size_of_val(self.emitters.as_slice());
+        own as u64 + self.tree.bytes() + self.shapes.iter().map(Shape::bytes).sum::<u64>()
     }
 
-    /// Whether there is more than one light to choose from.
+    /// Whether a number is needed to choose what to sample.
     pub(crate) fn chooses(&self) -> bool {
-        self.infinite() + self.tree.len() > 1
+        self.chooses
     }
 
-    /// A point of a light and the light's surface, for `choice` and `u` uniform in `[0, 1)`; nothing
-    /// where the light brings nothing. Weight and density count the choice of the light.
+    /// A sample of the light, for `choice` and `u` uniform in `[0, 1)`; nothing where the light brings
+    /// nothing. Weight and density count the choice of the light.
     #[inline]
     pub(crate) fn sample(
         &self,
@@ -142,7 +214,7 @@ impl Lighting {
         at: &Receiver,
         choice: f64,
         u: DVec2,
-    ) -> Option<(LightSample, Option<u32>)> {
+    ) -> Option<Drawn> {
         let groups = self.groups();
         let scaled = choice * groups as f64;
         // `choice` is below 1, and so few groups do not round up.
@@ -152,13 +224,27 @@ impl Lighting {
         } else if group < self.infinite() {
             (self.environment.as_ref()?.sample(at.position, u)?, 1.0, None)
         } else {
-            let (light, probability) = self.tree.choose(at, scaled - group as f64)?;
+            let (light, probability, rest) = self.tree.choose(at, scaled - group as f64)?;
+            if let Some(emitter) = light.checked_sub(self.first_emitter) {
+                let emitter = self.emitters.get(emitter as usize)?;
+                return emitter.aim(self.shape(world, emitter)?, at, rest, u).map(Drawn::Aim);
+            }
             let (sample, exempt) = self.sample_of(world, light, at.position, u)?;
             (sample, probability, exempt)
         };
         let probability = probability / groups as f64;
         let (weight, pdf) = (sample.weight / probability, sample.pdf * probability);
-        Some((LightSample { weight, pdf, ..sample }, surface))
+        Some(Drawn::Point(LightSample { weight, pdf, ..sample }, surface))
+    }
+
+    /// The shape of an emitter, and its surface.
+    fn shape<'a>(
+        &'a self,
+        world: &'a World,
+        emitter: &Emitter,
+    ) -> Option<(&'a Shape, &'a Surface)> {
+        let shape = self.shapes.get(emitter.shape as usize)?;
+        Some((shape, world.surfaces().get(emitter.surface as usize)?))
     }
 
     /// A point of light `index`, and the surface that cannot be in its way.
@@ -184,7 +270,7 @@ impl Lighting {
     /// The triangle of a mesh that light `index` is.
     fn triangle(&self, world: &World, index: u32) -> Option<TriangleLight> {
         let after = self.meshes.partition_point(|mesh| mesh.first <= index);
-        let Emitter { first, surface, emitted } = *self.meshes.get(after.checked_sub(1)?)?;
+        let EvenMesh { first, surface, emitted } = *self.meshes.get(after.checked_sub(1)?)?;
         let Surface::Mesh(mesh) = world.surfaces().get(surface as usize)? else { return None };
         Some(TriangleLight::new(mesh.corners(index - first), surface, emitted))
     }
@@ -199,8 +285,15 @@ impl Lighting {
         direction: DVec3,
         hit: &Hit,
     ) -> f64 {
-        let Some(OfSurface::From(first)) = self.of_surface.get(hit.surface as usize) else {
-            return 0.0;
+        let first = match self.of_surface.get(hit.surface as usize) {
+            None | Some(OfSurface::Nothing) => return 0.0,
+            Some(OfSurface::Emitter(index)) => {
+                let emitter = &self.emitters[*index as usize];
+                let Some(shape) = self.shape(world, emitter) else { return 0.0 };
+                let chosen = self.tree.probability(at, self.first_emitter + index);
+                return emitter.pdf(shape, at, hit) * chosen / self.groups() as f64;
+            }
+            Some(OfSurface::From(first)) => first,
         };
         let index = match hit.part {
             Part::Triangle(part) => first + part,
@@ -244,6 +337,15 @@ impl Lighting {
     }
 }
 
+/// The surface in its own frame: of an instance its prototype.
+pub(super) fn prototype(surface: &Surface) -> &Surface {
+    match surface {
+        Surface::Instance(instance) => instance.prototype(),
+        Surface::Moving(moving) => moving.prototype(),
+        surface => surface,
+    }
+}
+
 /// Never chosen.
 const NO_LIGHT: LightBounds = LightBounds {
     min: DVec3::ZERO,
@@ -252,94 +354,9 @@ const NO_LIGHT: LightBounds = LightBounds {
     axis: DVec3::Z,
     cos_normals: 1.0,
     cos_emission: 0.0,
+    held: 0.0,
+    most: 0.0,
 };
 
 #[cfg(test)]
-mod tests {
-    use std::cell::Cell;
-    use std::f64::consts::TAU;
-
-    use rilievo::Ray;
-    use rilievo::mesh::{Mesh, MeshData, Triangle};
-    use rilievo::surface::{Quad, Sphere};
-
-    use super::*;
-    use crate::light::EnvironmentPlacement;
-    use crate::sampler::chi_square::{chi_square_z, independent_points};
-    use crate::texture::{ColourImage, Texels};
-
-    /// Lights of every kind that has a size, none before another as seen from the origin.
-    fn world() -> World {
-        let quad = |corners: [[f64; 3]; 4]| {
-            Surface::Quad(Quad::new(corners.map(DVec3::from_array), false).unwrap())
-        };
-        let positions =
-            [[-2.0, 1.0, -1.0], [-2.0, -1.0, -1.0], [-2.0, -1.0, 1.0], [-2.0, 1.0, 1.2]];
-        let triangle = |positions| Triangle { positions, normals: None, uvs: None };
-        let data = MeshData {
-            positions: positions.map(DVec3::from_array).to_vec(),
-            triangles: vec![triangle([0, 2, 1]), triangle([0, 3, 2])],
-            ..MeshData::default()
-        };
-        World::new(vec![
-            // A rectangle, near and large; a parallelogram; any quad; a mesh; a ball.
-            quad([[-1.0, -1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, -1.0, 1.0]]),
-            quad([[-1.0, -1.0, -2.0], [1.0, -1.0, -2.0], [1.5, 1.0, -2.0], [-0.5, 1.0, -2.0]]),
-            quad([[3.0, -1.0, -1.0], [3.0, -1.5, 1.0], [3.0, 1.0, 1.2], [3.0, 1.0, -1.0]]),
-            Surface::Mesh(Mesh::new(data).unwrap()),
-            Surface::Sphere(Sphere::new(DVec3::new(0.0, 4.0, 0.0), 2.0).unwrap()),
-        ])
-    }
-
-    #[test]
-    fn directions_follow_the_density_that_is_told() {
-        const CELLS: usize = 20;
-        const FINE: usize = 40;
-        const SAMPLES: u32 = 200_000;
-        let world = world();
-        let texels = (0..8 * 4).map(|k| [0.1 + (k % 5) as f32; 3]).collect();
-        let sky = ColourImage::new(8, 4, Texels::Linear(texels)).unwrap();
-        let sky = Environment::new(&sky, EnvironmentPlacement::default()).unwrap();
-        let sun = SunLight::new(DVec3::Y, Rgb::ONE, 60.0).unwrap();
-        let emitted = |surface| Rgb::splat(1.0 + f64::from(surface));
-        let lamps = [Light::Sun(sun)];
-        let all = Lighting::new(&world, emitted, &lamps, Some(Arc::new(sky)));
-        assert_eq!((all.infinite(), all.tree.len()), (2, 7));
-        let at = Receiver { position: DVec3::ZERO, normal: None, both_sides: false };
-
-        let cell = |d: DVec3| {
-            let turn = (d.y.atan2(d.x) / TAU).rem_euclid(1.0);
-            let place = |x: f64| ((x * CELLS as f64) as usize).min(CELLS - 1);
-            place(0.5 + 0.5 * d.z) * CELLS + place(turn)
-        };
-        let mut observed = vec![0.0; CELLS * CELLS];
-        let points: Vec<DVec2> = independent_points(2 * SAMPLES).collect();
-        for pair in points.chunks_exact(2) {
-            let (sample, _) = all.sample(&world, &at, pair[0].x, pair[1]).expect("seen");
-            assert!(sample.pdf > 0.0 && sample.weight.min_element() > 0.0);
-            observed[cell(sample.direction)] += 1.0;
-        }
-        let mut expected = vec![0.0; CELLS * CELLS];
-        let n = CELLS * FINE;
-        for k in 0..n * n {
-            let z = -1.0 + 2.0 * ((k / n) as f64 + 0.5) / n as f64;
-            let (sin, cos) = (TAU * ((k % n) as f64 + 0.5) / n as f64).sin_cos();
-            let level = (1.0 - z * z).sqrt();
-            let d = DVec3::new(level * cos, level * sin, z);
-            let density = Cell::new(0.0);
-            all.escaped(d, |pdf| {
-                density.set(density.get() + pdf);
-                1.0
-            });
-            if let Some(hit) = world.closest(&Ray::new(DVec3::ZERO, d), &mut ()) {
-                assert!(hit.front, "{d}");
-                density.set(density.get() + all.pdf_of_hit(&world, &at, d, &hit));
-            }
-            expected[cell(d)] += density.get() * 2.0 * TAU / (n * n) as f64 * f64::from(SAMPLES);
-        }
-        let total = expected.iter().sum::<f64>() / f64::from(SAMPLES);
-        assert!((total - 1.0).abs() < 2e-3, "the density integrates to {total}");
-        let z = chi_square_z(&observed, &expected);
-        assert!(z < 4.0, "chi-square is {z} deviations too large");
-    }
-}
+mod tests;

@@ -1,10 +1,11 @@
 //! [`Light`]: the emitters that are sampled.
 //!
 //! Every surface with an emitting material glows from its front side, seen directly and in
-//! reflections. Undisplaced quads and spheres are also *lights*: diffuse surfaces receive light
-//! from them through shadow rays. So are meshes, of up to 64 triangles for the paper's integrator, of
-//! any number for the path integrator. Displaced surfaces, instances and what moves only glow: the path integrator
-//! finds them by the directions that materials scatter to, and counts them in full.
+//! reflections. Undisplaced quads, spheres and meshes of up to 64 triangles are also *lights* of the
+//! paper's integrator ([`Light`]): diffuse surfaces receive light from them through shadow rays.
+//!
+//! The path integrator samples everything that emits: meshes of any size, and as `Emitter`s displaced
+//! surfaces, instances, what moves, and what shines by an image.
 //!
 //! Lights that are no surface are points, spots and suns ([`PointLight`], [`SunLight`]), and an image
 //! of the whole sky ([`Environment`]).
@@ -12,11 +13,19 @@
 //! `Lighting` holds all of a scene's light for the path integrator, and chooses among it.
 
 mod bounds;
+mod distribution;
+mod emission;
+mod emitter;
+#[cfg(test)]
+mod emitter_tests;
 mod environment;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod lighting;
 mod punctual;
 mod quad;
 mod rectangle;
+mod shape;
 mod sphere;
 mod tree;
 mod triangle;
@@ -30,8 +39,9 @@ use bounds::LightBounds;
 use quad::QuadView;
 use sphere::Cone;
 
+pub(crate) use emitter::Aim;
 pub use environment::{Environment, EnvironmentPlacement, Up};
-pub(crate) use lighting::{Lighting, Receiver};
+pub(crate) use lighting::{Drawn, Lighting, Receiver};
 pub use punctual::{LightError, PointLight, SunLight};
 pub use quad::QuadLight;
 pub use sphere::SphereLight;
@@ -156,6 +166,8 @@ impl Light {
             axis: normal,
             cos_normals: 1.0,
             cos_emission: 0.0,
+            held: 0.0,
+            most: 0.0,
         };
         match self {
             Self::Quad(quad) => {
@@ -174,6 +186,8 @@ impl Light {
                 axis: DVec3::Z,
                 cos_normals: -1.0,
                 cos_emission: 0.0,
+                held: 0.0,
+                most: 0.0,
             }),
             Self::Point(light) => {
                 let (axis, cos_emission) = light.cone().unwrap_or((DVec3::Z, -1.0));
@@ -184,6 +198,8 @@ impl Light {
                     axis,
                     cos_normals: if cos_emission < 0.0 { -1.0 } else { 1.0 },
                     cos_emission,
+                    held: 0.0,
+                    most: 0.0,
                 })
             }
             Self::Sun(_) => None,

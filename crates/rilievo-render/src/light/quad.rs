@@ -83,10 +83,9 @@ impl QuadLight {
         if !self.rectangular {
             return Some(QuadView::Area);
         }
-        let [x, y] = [0, 1].map(|i| {
-            let start = way.dot(self.along[i]);
-            [start, start + self.lengths[i]]
-        });
+        let (start_x, start_y) = (way.dot(self.along[0]), way.dot(self.along[1]));
+        let x = [start_x, start_x + self.lengths[0]];
+        let y = [start_y, start_y + self.lengths[1]];
         let nearest = |[low, high]: [f64; 2]| low.max(-high).max(0.0);
         let farthest = |[low, high]: [f64; 2]| high.max(-low);
         let squared = |x: f64, y: f64| x * x + y * y + distance * distance;
@@ -107,6 +106,19 @@ impl QuadLight {
                 if cosine > 0.0 { distance * distance / (self.area * cosine) } else { 0.0 }
             }
             QuadView::Solid(rectangle) => rectangle.solid_angle().recip(),
+        }
+    }
+
+    /// The point at a place of the unit square.
+    pub(super) fn at(&self, uv: DVec2) -> DVec3 {
+        square_to_quad(uv, self.corner, self.edges)
+    }
+
+    /// The place in the unit square that [`Self::sample`] takes.
+    pub(super) fn place(&self, view: &QuadView, u: DVec2) -> DVec2 {
+        match view {
+            QuadView::Area => u,
+            QuadView::Solid(rectangle) => rectangle.sample(u) / DVec2::from(self.lengths),
         }
     }
 

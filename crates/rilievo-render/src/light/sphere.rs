@@ -33,20 +33,27 @@ impl Cone {
     }
 }
 
+/// The cone that a ball fills whose centre lies at `axis`: a frame whose z axis is the cone's, and 1 less
+/// the cosine of its half angle; nothing from inside.
+pub(super) fn cone_around(axis: DVec3, radius: f64) -> Option<(DMat3, f64)> {
+    let distance = axis.length();
+    let sin = radius / distance;
+    if sin >= 1.0 {
+        return None;
+    }
+    // 1 - cos without cancellation.
+    let height = sin * sin / (1.0 + (1.0 - sin * sin).sqrt());
+    let forward = axis / distance;
+    let (right, up) = forward.any_orthonormal_pair();
+    Some((DMat3::from_cols(right, up, forward), height))
+}
+
 impl SphereLight {
     /// The cone it fills, seen from `point`; nothing from inside, where only its back is seen.
     pub(super) fn view(&self, point: DVec3) -> Option<Cone> {
         let axis = self.center - point;
-        let distance = axis.length();
-        let sin = self.radius / distance;
-        if sin >= 1.0 {
-            return None;
-        }
-        // 1 - cos without cancellation.
-        let height = sin * sin / (1.0 + (1.0 - sin * sin).sqrt());
-        let forward = axis / distance;
-        let (right, up) = forward.any_orthonormal_pair();
-        Some(Cone { axis, world_from_cone: DMat3::from_cols(right, up, forward), height })
+        let (world_from_cone, height) = cone_around(axis, self.radius)?;
+        Some(Cone { axis, world_from_cone, height })
     }
 
     /// A point of the near side.

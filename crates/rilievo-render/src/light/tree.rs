@@ -32,6 +32,8 @@ struct Node {
     intensity: f32,
     cos_normals: f32,
     cos_emission: f32,
+    held: f32,
+    most: f32,
     /// Of an inner node its second child; the first follows it. Of a leaf its light.
     next: u32,
     leaf: bool,
@@ -75,14 +77,14 @@ impl LightTree {
         (size_of_val(self.nodes.as_slice()) + size_of_val(self.ways.as_slice())) as u64
     }
 
-    /// A light for `u` in `[0, 1)` and its probability, above 0; nothing where no light reaches the
-    /// receiver.
-    pub(super) fn choose(&self, at: &Receiver, mut u: f64) -> Option<(u32, f64)> {
+    /// A light for `u` in `[0, 1)`, its probability, above 0, and a number of the same kind that is left of
+    /// `u`; nothing where no light reaches the receiver.
+    pub(super) fn choose(&self, at: &Receiver, mut u: f64) -> Option<(u32, f64, f64)> {
         let (mut index, mut probability) = (0, 1.0);
         loop {
             let node = self.nodes.get(index)?;
             if node.leaf {
-                return Some((node.next, probability));
+                return Some((node.next, probability, u));
             }
             let second = node.next as usize;
             let share = self.first_share(index, at)?;
@@ -214,6 +216,8 @@ impl Node {
             intensity: bounds.intensity as f32,
             cos_normals: bounds.cos_normals as f32,
             cos_emission: bounds.cos_emission as f32,
+            held: bounds.held as f32,
+            most: bounds.most as f32,
             next,
             leaf,
         }
@@ -229,6 +233,8 @@ impl Node {
             axis: wide(self.axis),
             cos_normals: f64::from(self.cos_normals),
             cos_emission: f64::from(self.cos_emission),
+            held: f64::from(self.held),
+            most: f64::from(self.most),
         }
     }
 }
@@ -254,6 +260,8 @@ mod tests {
                     axis,
                     cos_normals: if all { -1.0 } else { 0.9 },
                     cos_emission: 0.0,
+                    held: 0.0,
+                    most: 0.0,
                 }
             })
             .collect()
@@ -262,10 +270,25 @@ mod tests {
     fn receivers() -> [Receiver; 4] {
         let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         [
-            Receiver { position: at(5.0, 5.0, 1.0), normal: Some(-DVec3::Z), both_sides: false },
-            Receiver { position: at(5.0, 5.0, 1.0), normal: Some(DVec3::X), both_sides: false },
-            Receiver { position: at(-9.0, 2.0, 0.05), normal: Some(DVec3::X), both_sides: true },
-            Receiver { position: at(3.0, 3.0, 0.05), normal: None, both_sides: false },
+            Receiver {
+                position: at(5.0, 5.0, 1.0),
+                normal: Some(-DVec3::Z),
+                both_sides: false,
+                time: 0.0,
+            },
+            Receiver {
+                position: at(5.0, 5.0, 1.0),
+                normal: Some(DVec3::X),
+                both_sides: false,
+                time: 0.0,
+            },
+            Receiver {
+                position: at(-9.0, 2.0, 0.05),
+                normal: Some(DVec3::X),
+                both_sides: true,
+                time: 0.0,
+            },
+            Receiver { position: at(3.0, 3.0, 0.05), normal: None, both_sides: false, time: 0.0 },
         ]
     }
 
@@ -278,7 +301,7 @@ mod tests {
                 let mut observed = vec![0.0; count as usize];
                 let mut missed = 0.0;
                 for u in independent_points(100_000) {
-                    let Some((light, probability)) = tree.choose(&at, u.x) else {
+                    let Some((light, probability, _)) = tree.choose(&at, u.x) else {
                         missed += 1.0;
                         continue;
                     };
@@ -302,10 +325,15 @@ mod tests {
     fn near_lights_are_preferred() {
         let bounds = strewn(1000);
         let tree = LightTree::new(&bounds);
-        let at = Receiver { position: DVec3::new(2.0, 3.0, 0.5), normal: None, both_sides: false };
+        let at = Receiver {
+            position: DVec3::new(2.0, 3.0, 0.5),
+            normal: None,
+            both_sides: false,
+            time: 0.0,
+        };
         let distance = |light: u32| bounds[light as usize].min.distance(at.position);
         let lights = independent_points(10_000).filter_map(|u| tree.choose(&at, u.x));
-        let near = lights.filter(|&(light, _)| distance(light) < 2.0).count();
+        let near = lights.filter(|&(light, ..)| distance(light) < 2.0).count();
         // An eighth of them by number.
         assert!(near > 4000, "{near}");
     }

@@ -176,8 +176,7 @@ impl Material {
         }
     }
 
-    /// Radiance of the front if it is the same everywhere: lights that are sampled are even. What shines
-    /// by a texture lights where rays meet it.
+    /// Radiance of the front if it is the same everywhere, else black.
     pub(crate) fn even_emission(&self) -> Rgb {
         if self.emission.is_some() { Rgb::ZERO } else { self.emitted }
     }

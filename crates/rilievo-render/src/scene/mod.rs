@@ -222,9 +222,9 @@ impl Scene {
     /// All light, as the path integrator samples it.
     pub(crate) fn lighting(&self) -> &Lighting {
         self.lighting.get_or_init(|| {
-            let emitted = |surface| self.material(surface).even_emission();
+            let material = |surface| self.material(surface);
             let lamps = &self.lights[self.of_surfaces..];
-            Lighting::new(self.world(), emitted, lamps, self.environment.clone())
+            Lighting::new(self.world(), material, lamps, self.environment.clone())
         })
     }
 

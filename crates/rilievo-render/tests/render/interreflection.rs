@@ -1,21 +1,13 @@
 //! Diffuse bounces, where the radiance is known.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
-use rilievo::surface::{Instance, Quad, Surface};
-use rilievo_render::{Film, Material, RenderOptions, RenderSettings, Rgb, Scene, render};
+use glam::DVec3;
+use rilievo_render::{Material, RenderOptions, RenderSettings, Rgb, render};
 
-use crate::scenes::{Builder, camera, diffuse, emitter, pixel_centers};
-
-/// Mean of the red channel and its standard error, over pixels that are samples of one number.
-fn mean(film: &Film) -> (f64, f64) {
-    let n = film.radiance().len() as f64;
-    let values = || film.radiance().iter().map(|p| f64::from(p[0]));
-    let mean = values().sum::<f64>() / n;
-    (mean, (values().map(|x| (x - mean).powi(2)).sum::<f64>() / n / n).sqrt())
-}
+use crate::scenes::{
+    Builder, camera, diffuse, emitter, glowing, mean_of as mean, pixel_centers, room,
+};
 
 /// One bounce ray a hit.
 fn bounces(max_depth: u32) -> RenderSettings {
@@ -26,30 +18,6 @@ fn bounces(max_depth: u32) -> RenderSettings {
         max_depth,
         ..RenderSettings::default()
     }
-}
-
-/// The quad of a corner and two edges as an instance: it glows, but is no light that is sampled.
-fn glowing([corner, u, v]: [DVec3; 3]) -> Surface {
-    let quad = Quad::new([corner, corner + u, corner + u + v, corner + v], false).unwrap();
-    Instance::new(Arc::new(quad.into()), DAffine3::IDENTITY).unwrap().into()
-}
-
-/// The walls of the cube [-1, 1]^3, their fronts inside; `as_instances` makes them glow without being
-/// lights.
-fn room(walls: &Material, as_instances: bool, settings: RenderSettings) -> Scene {
-    let view = camera([0.1, 0.2, 0.05], [1.0, 0.3, 0.2], 100.0, [24, 24]);
-    if !as_instances {
-        return Builder::default().room(DVec3::ZERO, 1.0, walls).scene(view, settings);
-    }
-    let mut builder = Builder::default();
-    for axis in DVec3::AXES {
-        for normal in [axis, -axis] {
-            let u = DVec3::new(axis.z, axis.x, axis.y);
-            let v = normal.cross(u);
-            builder = builder.surface(glowing([-normal - u - v, 2.0 * u, 2.0 * v]), walls.clone());
-        }
-    }
-    builder.scene(view, settings)
 }
 
 #[test]

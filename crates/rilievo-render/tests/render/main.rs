@@ -3,6 +3,7 @@
 mod cameras;
 mod closed_forms;
 mod determinism;
+mod emitters;
 mod interreflection;
 mod layers;
 mod motion;

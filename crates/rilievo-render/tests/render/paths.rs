@@ -1,20 +1,19 @@
 //! The path integrator, where the radiance is known.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use rilievo::mesh::{Mesh, MeshData, Triangle};
-use rilievo::surface::{Instance, Quad, Surface};
+use rilievo::surface::{Quad, Surface};
 use rilievo_render::light::{Environment, EnvironmentPlacement, Light, PointLight, SunLight};
 use rilievo_render::texture::{ColourImage, Texels};
 use rilievo_render::{Integrator, Material, RenderOptions, RenderSettings, Rgb, Scene, render};
 
 use crate::closed_forms::{FLOOR, ceiling, rectangle_irradiance};
-use crate::scenes::{Builder, camera, diffuse, emitter};
+use crate::scenes::{Builder, camera, diffuse, emitter, glowing, mean_of, room};
 
 /// Paths of up to `max_depth` bounces.
-fn paths(samples: u32, max_depth: u32) -> RenderSettings {
+pub fn paths(samples: u32, max_depth: u32) -> RenderSettings {
     RenderSettings { integrator: Integrator::Path, samples, max_depth, ..RenderSettings::default() }
 }
 
@@ -22,14 +21,11 @@ fn paths(samples: u32, max_depth: u32) -> RenderSettings {
 fn mean(scene: &Scene) -> (f64, f64) {
     let (film, stats) = render(scene, &RenderOptions::default()).unwrap();
     assert!(stats.complete);
-    let n = film.radiance().len() as f64;
-    let values = || film.radiance().iter().map(|p| f64::from(p[0]));
-    let mean = values().sum::<f64>() / n;
-    (mean, (values().map(|x| (x - mean).powi(2)).sum::<f64>() / n / n).sqrt())
+    mean_of(&film)
 }
 
 /// Checks the mean against what is known; the standard error must be below `within` of it.
-fn check(name: &str, scene: &Scene, expected: f64, within: f64) {
+pub fn check(name: &str, scene: &Scene, expected: f64, within: f64) {
     let (mean, error) = mean(scene);
     let found = format!("{name}: {mean} +- {error}, not {expected}");
     assert!((mean - expected).abs() <= 4.0 * error + 1e-6 * expected, "{found}");
@@ -37,32 +33,8 @@ fn check(name: &str, scene: &Scene, expected: f64, within: f64) {
 }
 
 /// Everything looks at the origin from the side.
-fn at_the_origin() -> rilievo_render::CameraParts {
+pub fn at_the_origin() -> rilievo_render::CameraParts {
     camera([0.0, -5.0, 1.0], [0.0, 0.0, 0.0], 1e-4, [24, 24])
-}
-
-/// The walls of the cube [-1, 1]^3, their fronts inside; `as_instances` glow without being lights
-/// that are sampled.
-fn room(walls: &Material, as_instances: bool, settings: RenderSettings) -> Scene {
-    let view = camera([0.1, 0.2, 0.05], [1.0, 0.3, 0.2], 100.0, [24, 24]);
-    if !as_instances {
-        return Builder::default().room(DVec3::ZERO, 1.0, walls).scene(view, settings);
-    }
-    let mut builder = Builder::default();
-    for axis in DVec3::AXES {
-        for normal in [axis, -axis] {
-            let u = DVec3::new(axis.z, axis.x, axis.y);
-            let v = normal.cross(u);
-            builder = builder.surface(glowing([-normal - u - v, 2.0 * u, 2.0 * v]), walls.clone());
-        }
-    }
-    builder.scene(view, settings)
-}
-
-/// The quad of a corner and two edges as an instance.
-fn glowing([corner, u, v]: [DVec3; 3]) -> Surface {
-    let quad = Quad::new([corner, corner + u, corner + u + v, corner + v], false).unwrap();
-    Instance::new(Arc::new(quad.into()), DAffine3::IDENTITY).unwrap().into()
 }
 
 #[test]

@@ -43,7 +43,7 @@ pub const EMISSION: Key<Form, Optional> = Key::new(
     "emission",
     Form("image"),
     Optional("none"),
-    "factor on `emitted`; such a surface is no light that is sampled",
+    "factor on `emitted`; no light of `distributed`",
 );
 pub const NORMALS_TABLE: Key<Form, Optional> = Key::new(
     "normals",

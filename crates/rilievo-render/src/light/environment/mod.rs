@@ -9,16 +9,14 @@
 //! cell. So the density is constant over a cell, and above 0 wherever the image is. Large images are
 //! gathered to at most [`CELLS`] cells.
 
-mod distribution;
-
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::LightSample;
+use super::distribution::Distribution;
 use crate::colour::{Rgb, is_radiance};
 use crate::texture::ColourImage;
-use distribution::Distribution;
 
 /// Most cells of the grid that directions are drawn from.
 const CELLS: usize = 1 << 22;

@@ -100,6 +100,32 @@ impl ReliefMesh {
         }
     }
 
+    /// By how much the displaced surface spreads at a hit: its area for an area of 1 of the weights of
+    /// the second and third corner, square scene units. Nothing on walls and on triangles whose uv
+    /// span no area.
+    ///
+    /// With `S = P + h N` and `h` the height, `S_v x S_w . N = (P_v + h N_v) x (P_w + h N_w) . N`: slopes
+    /// of the map add only along `N`. So the length of the cross product follows from the normal of
+    /// the hit, which lies along it.
+    pub fn spread(&self, hit: &Hit) -> Option<f64> {
+        let Part::TriangleCell { triangle, .. } = hit.part else { return None };
+        let prism = self.prisms.get(triangle as usize)?;
+        if prism.shape == Shape::Thread {
+            return None;
+        }
+        let uvs = self.data.triangles[triangle as usize].uvs?;
+        let [a, b, c] = uvs.map(|uv| self.data.uvs[uv as usize]);
+        let (g, h, to) = (b - a, c - a, hit.uv - a);
+        let area = g.perp_dot(h);
+        let (v, w) = (to.perp_dot(h) / area, g.perp_dot(to) / area);
+        let height = hit.height / self.relief.heights().unit() - f64::from(self.offsets.level);
+        let [a, b, c] = prism.corners.map(|k| self.vertices[k as usize]);
+        let rise = (1.0 - v - w) * a.rise + v * b.rise + w * c.rise;
+        let along = [b, c].map(|end| (end.base - a.base) + height * (end.rise - a.rise));
+        let spread = (along[0].cross(along[1]).dot(rise) / hit.geometric_normal.dot(rise)).abs();
+        spread.is_finite().then_some(spread)
+    }
+
     #[inline(never)]
     fn complete_wall(&self, t: f64, candidate: &Candidate, index: u32) -> Hit {
         let wall = &self.walls[index as usize];

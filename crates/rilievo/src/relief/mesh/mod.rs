@@ -242,6 +242,16 @@ impl ReliefMesh {
         bounds.grown(crate::accel::GROWTH * bounds.largest_coordinate())
     }
 
+    /// The box that holds what is displaced of a base triangle, to rounding, without walls.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn triangle_bounds(&self, triangle: u32) -> Aabb {
+        let prism = &self.prisms[triangle as usize];
+        let Aabb { min, max } = self.around(&prism.corners, prism.range());
+        Aabb { min: min + self.centre, max: max + self.centre }
+    }
+
     /// The shared relief.
     pub fn relief(&self) -> &Arc<Relief> {
         &self.relief
