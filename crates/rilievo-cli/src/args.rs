@@ -15,6 +15,7 @@ use rilievo::map::{Lattice, Layout, Wrap};
 use rilievo_io::image::Stored;
 
 use crate::denoise::Denoiser;
+use crate::view::ViewArgs;
 pub use bake::{Bake, BakeArgs, BakeFiles, BoundsArgs, DistanceArgs, FaceSize, NormalArgs};
 pub use render::{Backend, RenderArgs};
 use value::{ExrPath, PngPath};
@@ -47,6 +48,9 @@ pub enum Command {
     /// Join parts of a render, done apart by --sample-range or --crop, into the picture of one run.
     #[command(after_help = MERGE)]
     Merge(MergeArgs),
+    /// Look at a scene, a height map or a texture set in a window, and edit its relief.
+    #[command(disable_help_flag = true)]
+    View(ViewArgs),
 }
 
 /// How much is said.

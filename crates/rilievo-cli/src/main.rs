@@ -21,6 +21,7 @@ mod progress;
 mod render;
 mod report;
 mod stopwatch;
+mod view;
 
 use std::process::ExitCode;
 
@@ -38,6 +39,10 @@ fn main() -> ExitCode {
         }
     };
     let result = match &arguments.command {
+        Command::View(args) => match view::run(args) {
+            Ok(code) => return code,
+            Err(failure) => Err(failure),
+        },
         Command::Render(args) => render::run(args),
         Command::Bake(args) => bake::run(args),
         Command::Info(args) => info::run(args),

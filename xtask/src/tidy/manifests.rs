@@ -1,7 +1,7 @@
 //! Rule: crates depend on each other downwards only, and all take the workspace's lints.
 //!
 //! ```text
-//! rilievo  <-  rilievo-render  <-  rilievo-io, rilievo-gpu  <-  rilievo-cli
+//! rilievo  <-  rilievo-render  <-  rilievo-io, rilievo-gpu  <-  rilievo-cli, rilievo-viewer
 //! ```
 
 use super::Finding;
@@ -15,6 +15,7 @@ const GRAPH: &[(&str, &[&str])] = &[
     // Its tests trace the scenes of the conformance suite.
     ("rilievo-gpu", &["rilievo", "rilievo-render", "rilievo-tests"]),
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
+    ("rilievo-viewer", &["rilievo", "rilievo-render", "rilievo-io"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
     ("rilievo-bench", &["rilievo", "rilievo-io"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),

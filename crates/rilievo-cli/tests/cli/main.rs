@@ -15,3 +15,4 @@ mod support;
 mod texture_memory;
 mod texture_sets;
 mod usage;
+mod view;

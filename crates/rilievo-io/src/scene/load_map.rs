@@ -8,6 +8,7 @@ use rilievo::map::{
 };
 use rilievo::relief::{CubeRelief, Method, Relief};
 
+use super::cache::MapKey;
 use super::file::{MapEntry, MapSource, SceneFile};
 use super::options::{DistanceBuild, LoadOptions};
 use super::syntax::Located;
@@ -52,7 +53,15 @@ pub(super) fn load_cube(
     options: &LoadOptions<'_>,
 ) -> Result<(Arc<CubeRelief>, [u32; 2], Option<ResamplingError>)> {
     let limits = &options.limits;
-    let map = heights(file, entry, limits)?;
+    let layout = options.layout.unwrap_or(entry.layout);
+    let kept = MapKey::of(file, entry);
+    let cache = options.cache.filter(|_| !options.resampling_error);
+    let kinds = needs.kinds.iter().map(|&(kind, _)| kind);
+    let made_as = (tiling.value, layout);
+    if let Some((cube, size)) = cache.and_then(|cache| cache.cube(&kept, made_as, kinds)) {
+        return Ok((cube, size, None));
+    }
+    let map = heights(file, entry, options)?;
     let place = Place::Text(crate::Excerpt::new(&file.text, tiling.at.clone()));
     limits.check(
         &file.path,
@@ -65,7 +74,6 @@ pub(super) fn load_cube(
     let error = options.resampling_error.then(|| cube.resampling_error(&map));
     let size = [map.width(), map.height()];
     drop(map);
-    let layout = options.layout.unwrap_or(entry.layout);
     let mut relief = CubeRelief::with_layout(cube, layout);
     if let (Some(name), false) = (&entry.distance.file, needs.kinds.is_empty()) {
         let found = "a map baked for faces";
@@ -80,7 +88,11 @@ pub(super) fn load_cube(
             .with_distances(kind, &build.value)
             .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?;
     }
-    Ok((Arc::new(relief), size, error))
+    let relief = Arc::new(relief);
+    if let Some(cache) = cache {
+        cache.keep_cube(kept, made_as, (Arc::clone(&relief), size));
+    }
+    Ok((relief, size, error))
 }
 
 /// Reads or makes the map `name` and what it needs.
@@ -90,13 +102,33 @@ pub(super) fn load(
     needs: &Needs,
     options: &LoadOptions<'_>,
 ) -> Result<Arc<Relief>> {
-    let limits = &options.limits;
     let layout = options.layout.unwrap_or(entry.layout);
-    let mut relief = Relief::with_layout(heights(file, entry, limits)?, layout);
-    for &need in &needs.kinds {
-        relief = add_distance(file, (name, entry), relief, need, options)?;
+    let key = MapKey::of(file, entry);
+    let mut relief = match options.cache.and_then(|cache| cache.relief(&key, layout)) {
+        Some(relief) => relief,
+        None => Arc::new(Relief::with_layout(heights(file, entry, options)?, layout)),
+    };
+    for &(kind, face) in &needs.kinds {
+        if relief.distance(kind).is_none() {
+            let own = Arc::unwrap_or_clone(relief);
+            let need = (kind, face);
+            relief = Arc::new(add_distance(file, (name, entry), own, need, options)?);
+        }
     }
-    Ok(Arc::new(relief))
+    keep(file, entry, &relief, options);
+    Ok(relief)
+}
+
+/// Leaves heights for the next loading.
+pub(super) fn keep(
+    file: &SceneFile,
+    entry: &MapEntry,
+    relief: &Arc<Relief>,
+    options: &LoadOptions<'_>,
+) {
+    if let Some(cache) = options.cache {
+        cache.keep_relief(MapKey::of(file, entry), relief);
+    }
 }
 
 /// Reads or makes a distance map and adds it to the map `name`.
@@ -149,13 +181,20 @@ fn fault(
     Error::Invalid(Box::new(file.document().fault(at, what, found, allowed)))
 }
 
-fn heights(file: &SceneFile, entry: &MapEntry, limits: &Limits) -> Result<HeightMap> {
+fn heights(file: &SceneFile, entry: &MapEntry, options: &LoadOptions<'_>) -> Result<HeightMap> {
+    let limits = &options.limits;
+    if let Some(map) = options.cache.and_then(|cache| cache.heights(&MapKey::of(file, entry))) {
+        return Ok(map);
+    }
     match &entry.source {
         MapSource::File { file: name, invert } => {
-            let options =
-                HeightOptions { lattice: entry.lattice, wrap: entry.wrap, invert: *invert };
+            let meant = HeightOptions { lattice: entry.lattice, wrap: entry.wrap, invert: *invert };
             let path = file.beside(&name.value);
-            options.read(&path, limits).map_err(|e| file.referenced(name, "map", e))
+            let judged = options.cache.and_then(|cache| cache.take_judged(&path));
+            if let Some(map) = judged.filter(|_| !invert) {
+                return Ok(map.with_lattice(entry.lattice, entry.wrap));
+            }
+            meant.read(&path, limits).map_err(|e| file.referenced(name, "map", e))
         }
         MapSource::Procedural { shape, size, codes } => {
             let [width, height] = size.value;

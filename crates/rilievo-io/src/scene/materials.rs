@@ -214,8 +214,26 @@ impl Loader<'_> {
     fn image(&mut self, name: &Located<String>, codes: Codes) -> Result<Arc<ColourImage>> {
         let path = self.file.beside(&name.value);
         let limits = self.options.limits;
-        self.image_once((path.clone(), codes), || read_colour(&path, &limits))
+        self.image_of_file((path.clone(), codes), || read_colour(&path, &limits))
             .map_err(|e| self.file.referenced(name, "texture", e))
+    }
+
+    /// [`Self::image_once`] for a file, which the cache keeps.
+    pub(super) fn image_of_file(
+        &mut self,
+        key: ImageKey,
+        read: impl FnOnce() -> Result<ColourImage>,
+    ) -> Result<Arc<ColourImage>> {
+        // Images under a limit lie in the temporary file of one loading.
+        let cache = self.options.cache.filter(|_| self.texture_limit().is_none());
+        let Some(cache) = cache else { return self.image_once(key, read) };
+        let image = match cache.image(&key) {
+            Some(image) => image,
+            None => self.image_once(key.clone(), read)?,
+        };
+        cache.keep_image(key.clone(), &image);
+        self.images.insert(key, Arc::clone(&image));
+        Ok(image)
     }
 
     /// The image under `key`; `read` gives it if it is not there yet.

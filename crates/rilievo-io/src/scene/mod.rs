@@ -22,6 +22,7 @@
 
 #[cfg(test)]
 mod asked;
+mod cache;
 mod file;
 mod instances;
 mod keys;
@@ -40,6 +41,7 @@ mod syntax;
 mod terrain;
 mod texture_memory;
 
+pub use cache::{Cache, KeptMap, Stamp};
 pub use file::SceneFile;
 pub use keys::reference;
 pub use options::{DistanceBuild, LoadOptions};

@@ -106,7 +106,7 @@ impl Loader<'_> {
         let image = match source {
             ImageSource::File(path) => {
                 self.files.push(path.clone());
-                self.image_once((path.clone(), codes), || read_colour(path, &limits))
+                self.image_of_file((path.clone(), codes), || read_colour(path, &limits))
             }
             ImageSource::Embedded { name, bytes } => {
                 self.image_once((name.clone(), codes), || read_colour_bytes(bytes, name, &limits))

@@ -42,8 +42,14 @@ impl Loader<'_> {
     /// Reads the model of an entry, with the texture coordinates and normals that it asks for.
     pub(super) fn model(&mut self, entry: &MeshEntry) -> Result<Model> {
         let path = self.file.beside(&entry.file.value);
-        let mut model = Model::read(&path, &self.options.limits)
-            .map_err(|e| self.file.referenced(&entry.file, "mesh", e))?;
+        let mut model = match self.options.cache.and_then(|cache| cache.model(&path)) {
+            Some(model) => model,
+            None => Model::read(&path, &self.options.limits)
+                .map_err(|e| self.file.referenced(&entry.file, "mesh", e))?,
+        };
+        if let Some(cache) = self.options.cache {
+            cache.keep_model(&path, &model);
+        }
         self.notes.extend(model.notes.iter().map(|note| format!("{}: {note}", path.display())));
         self.files.append(&mut model.files);
         if let Some(projection) = entry.projection {

@@ -5,6 +5,7 @@ use rilievo::map::{DistanceKind, Layout};
 use rilievo::relief::Method;
 use rilievo_render::Integrator;
 
+use super::cache::Cache;
 use crate::limits::Limits;
 
 /// How a scene is loaded.
@@ -25,6 +26,8 @@ pub struct LoadOptions<'a> {
     pub simd: SimdLevel,
     /// Measures how far the maps of spheres are off after resampling; takes about as long as that.
     pub resampling_error: bool,
+    /// What earlier loadings left, and what this one leaves.
+    pub cache: Option<&'a Cache>,
     /// Told of every distance map before it is built: that may take a while.
     pub building: &'a dyn Fn(&DistanceBuild<'_>),
 }
@@ -41,6 +44,7 @@ impl Default for LoadOptions<'_> {
             texture_memory: None,
             simd: SimdLevel::detect(),
             resampling_error: false,
+            cache: None,
             building: &|_| {},
         }
     }

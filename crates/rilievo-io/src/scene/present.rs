@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::cache::Cache;
 use super::file::SceneFile;
 use super::syntax::quoted;
 use crate::error::{Error, Place, Result};
@@ -21,6 +22,14 @@ impl SceneFile {
     /// # Errors
     /// As [`SceneFile::read`]; of the folder or the model, of one without displacement or triangles.
     pub fn present(path: &Path, limits: &Limits) -> Result<Self> {
+        Self::present_into(path, limits, None)
+    }
+
+    /// [`SceneFile::present`], leaving what was read for [`SceneFile::load`].
+    ///
+    /// # Errors
+    /// As [`SceneFile::present`].
+    pub fn present_into(path: &Path, limits: &Limits, cache: Option<&Cache>) -> Result<Self> {
         if path.is_dir() {
             let text = TextureSet::find(path, limits)?.presentation()?;
             return Self::parse(&text, &path.join(NAME));
@@ -34,7 +43,7 @@ impl SceneFile {
                 Self::parse(&text, &path.with_file_name(NAME))
             }
             Ok(FileKind::Image(_)) => {
-                Self::parse(&of_map(path, limits)?, &path.with_file_name(NAME))
+                Self::parse(&of_map(path, limits, cache)?, &path.with_file_name(NAME))
             }
             _ => Self::read(path, limits),
         }
@@ -42,14 +51,17 @@ impl SceneFile {
 }
 
 /// The text of a scene that shows a height map: as terrain, if its file says how large it is.
-fn of_map(path: &Path, limits: &Limits) -> Result<String> {
+fn of_map(path: &Path, limits: &Limits, cache: Option<&Cache>) -> Result<String> {
     let image = read_image_info(path, limits)?;
     let file = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
     let map = format!("[maps.map]\nfile = {file}\n");
     let Some(terrain) = Terrain::read(path, limits)? else {
         let depth = f64::from(image.height) / f64::from(image.width);
-        let Assumed { zero, scale, .. } =
-            Assumed::of(&HeightOptions::default().read(path, limits)?, path);
+        let heights = HeightOptions::default().read(path, limits)?;
+        let Assumed { zero, scale, .. } = Assumed::of(&heights, path);
+        if let Some(cache) = cache {
+            cache.keep_judged(path, heights);
+        }
         let displacement =
             format!("displacement = {{ map = \"map\", scale = {scale}, zero = {zero} }}");
         return Ok(map + "\n" + &ground(depth, &displacement));

@@ -184,6 +184,7 @@ impl Loader<'_> {
         let need = (kind, Face { sides, scale: entry.displacement.scale });
         let map = (name.value.as_str(), map);
         let relief = Arc::new(load_map::add_distance(self.file, map, own, need, self.options)?);
+        load_map::keep(self.file, map.1, &relief, self.options);
         self.maps.insert(&name.value, Arc::clone(&relief));
         Ok(relief)
     }

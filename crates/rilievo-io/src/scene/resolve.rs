@@ -14,6 +14,7 @@ use rilievo_render::light::{Environment, Light};
 use rilievo_render::texture::ColourImage;
 use rilievo_render::{Camera, Material, Scene, SceneParts};
 
+use super::cache::{Cache, colour_of_file};
 use super::file::{
     DisplacementEntry, EnvironmentEntry, Normals, QuadEntry, SceneFile, Shape, ShapeEntry,
     SphereEntry,
@@ -25,7 +26,7 @@ use super::relief_sphere::{LoadedSphereMap, SphereMapKey};
 use super::syntax::{Located, hint};
 use super::texture_memory::TextureMemory;
 use crate::error::{Error, Result};
-use crate::image::{NormalOptions, read_colour};
+use crate::image::NormalOptions;
 
 /// A scene with its maps, ready to be rendered.
 #[derive(Debug)]
@@ -36,6 +37,8 @@ pub struct LoadedScene {
     pub maps: Vec<LoadedMap>,
     /// The maps its spheres use, by name.
     pub sphere_maps: Vec<LoadedSphereMap>,
+    /// For each surface of the scene's world, the shape of the file that it belongs to.
+    pub shape_of: Vec<u32>,
     /// How its picture is to be shown.
     pub tone_map: ToneMap,
     /// Files that its models brought with them: libraries of materials, buffers and images, sorted.
@@ -70,7 +73,7 @@ impl SceneFile {
 
     /// The same for a scene that names no texture sets.
     fn load_files(&self, options: &LoadOptions<'_>) -> Result<LoadedScene> {
-        let camera = self.load_camera()?;
+        let camera = self.camera()?;
         let used = self.used_materials()?;
         let mut loader = Loader {
             file: self,
@@ -78,7 +81,7 @@ impl SceneFile {
             maps: HashMap::new(),
             sphere_maps: HashMap::new(),
             images: HashMap::new(),
-            glasses: Vec::new(),
+            glasses: options.cache.map(Cache::glasses).unwrap_or_default(),
             texture_memory: TextureMemory::default(),
             lamps: self.lights.clone(),
             files: Vec::new(),
@@ -93,7 +96,8 @@ impl SceneFile {
             });
         }
         let (mut surfaces, mut material_of) = (Vec::new(), Vec::new());
-        for (entry, &material) in self.shapes.iter().zip(&used.of_shape) {
+        let mut shape_of = Vec::new();
+        for (shape, (entry, &material)) in self.shapes.iter().zip(&used.of_shape).enumerate() {
             let mut placed = loader.surfaces(entry, material, &mut materials)?;
             placed = match (&entry.instances, &entry.motion) {
                 (Some(instances), motion) => loader.stand(placed, instances, motion.as_ref())?,
@@ -102,6 +106,7 @@ impl SceneFile {
             };
             for (surface, material) in placed {
                 surfaces.push(surface);
+                shape_of.push(shape as u32);
                 material_of.push(material);
             }
         }
@@ -127,23 +132,31 @@ impl SceneFile {
         maps.sort_by(|a, b| a.name.cmp(&b.name));
         let mut sphere_maps: Vec<_> = loader.sphere_maps.into_values().collect();
         sphere_maps.sort_by_key(LoadedSphereMap::order);
+        if let Some(cache) = options.cache {
+            cache.keep_glasses(loader.glasses);
+            cache.drop_judged();
+        }
         let tone_map = self.render.tone_map;
         let (mut files, notes) = (loader.files, loader.notes);
         files.sort();
         files.dedup();
-        Ok(LoadedScene { scene, maps, sphere_maps, tone_map, files, notes })
+        Ok(LoadedScene { scene, maps, sphere_maps, shape_of, tone_map, files, notes })
     }
 
     fn load_environment(&self, options: &LoadOptions<'_>) -> Result<Option<Environment>> {
         let Some(EnvironmentEntry { file, placement }) = &self.environment else {
             return Ok(None);
         };
-        let image = read_colour(&self.beside(&file.value), &options.limits)
+        let image = colour_of_file(self.beside(&file.value), options)
             .map_err(|e| self.referenced(file, "environment", e))?;
         Ok(Environment::new(&image, *placement))
     }
 
-    fn load_camera(&self) -> Result<Camera> {
+    /// The camera alone.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for one without direction; the place is that in the file.
+    pub fn camera(&self) -> Result<Camera> {
         self.camera.build().map_err(|(e, at, [what, allowed])| {
             self.invalid(at, what, e.to_string(), allowed.to_owned())
         })
@@ -366,9 +379,16 @@ impl<'a> Loader<'a> {
             Normals::File { file, convention } => {
                 let convention = convention.unwrap_or(NormalConvention::OpenGl);
                 let options = NormalOptions { convention, lattice, wrap };
-                let map = options.read(&self.file.beside(&file.value), &self.options.limits);
-                let map = map.map_err(|e| self.file.referenced(file, "normals", e))?;
-                ShadingNormals::Map(Arc::new(map))
+                let (path, cache) = (self.file.beside(&file.value), self.options.cache);
+                if let Some(map) = cache.and_then(|cache| cache.normals(&path, &options)) {
+                    return Ok(ShadingNormals::Map(map));
+                }
+                let map = options.read(&path, &self.options.limits);
+                let map = Arc::new(map.map_err(|e| self.file.referenced(file, "normals", e))?);
+                if let Some(cache) = cache {
+                    cache.keep_normals(&path, &options, &map);
+                }
+                ShadingNormals::Map(map)
             }
         })
     }

@@ -14,6 +14,7 @@ use rilievo::glam::DVec2;
 use rilievo::map::{Lattice, Layout, NormalConvention, Wrap};
 use rilievo::relief::Displacement;
 
+use super::cache::Cache;
 use super::file::{
     DisplacementEntry, MapEntry, MapSource, MaterialEntry, Normals, QuadEntry, SceneFile, Shape,
 };
@@ -33,6 +34,7 @@ pub(super) fn is_set(path: &str) -> bool {
 pub(super) struct Sets<'a> {
     pub(super) file: &'a SceneFile,
     limits: &'a Limits,
+    cache: Option<&'a Cache>,
     /// Whether all of a material is shown.
     pub(super) paths: bool,
     found: HashMap<PathBuf, (TextureSet, Option<Assumed>)>,
@@ -46,7 +48,9 @@ impl SceneFile {
         options: &LoadOptions<'_>,
     ) -> Result<(Cow<'_, Self>, Vec<String>)> {
         let (limits, paths) = (&options.limits, self.traces_paths(options));
-        let mut sets = Sets { file: self, limits, paths, found: HashMap::new(), notes: Vec::new() };
+        let cache = options.cache;
+        let (found, notes) = (HashMap::new(), Vec::new());
+        let mut sets = Sets { file: self, limits, cache, paths, found, notes };
         let mut file = Cow::Borrowed(self);
         for (k, (_, material)) in self.materials.iter().enumerate() {
             if let Some(changed) = sets.in_material(material)? {
@@ -198,10 +202,15 @@ impl Sets<'_> {
     ) -> Result<&mut (TextureSet, Option<Assumed>)> {
         let folder = self.file.beside(&name.value);
         if !self.found.contains_key(&folder) {
-            let set = TextureSet::find(&folder, self.limits);
-            let set = set.map_err(|e| self.file.referenced(name, "texture set", e))?;
-            self.notes.extend(set.describe());
-            self.found.insert(folder.clone(), (set, None));
+            let found = match self.cache.and_then(|cache| cache.set(&folder)) {
+                Some((set, assumed)) => (set, Some(assumed)),
+                None => {
+                    let set = TextureSet::find(&folder, self.limits);
+                    (set.map_err(|e| self.file.referenced(name, "texture set", e))?, None)
+                }
+            };
+            self.notes.extend(found.0.describe());
+            self.found.insert(folder.clone(), found);
         }
         // It was put there just now, if not before.
         self.found.get_mut(&folder).ok_or_else(|| {
@@ -223,14 +232,19 @@ impl Sets<'_> {
 
     /// What is assumed of the set `name`.
     fn assumed(&mut self, name: &Located<String>) -> Result<Assumed> {
-        let limits = *self.limits;
+        let (limits, cache) = (*self.limits, self.cache);
         let (set, assumed) = self.find(name)?;
         if let Some(assumed) = assumed {
             return Ok(assumed.clone());
         }
         let judge = |set: &TextureSet| {
             let heights = set.heights(&HeightOptions::default(), &limits)?;
-            set.assumed(&heights, &limits)
+            let assumed = set.assumed(&heights, &limits)?;
+            if let Some(cache) = cache {
+                cache.keep_judged(&set.displacement()?.path, heights);
+                cache.keep_set(&set.folder, set, &assumed);
+            }
+            Ok(assumed)
         };
         match judge(set) {
             Ok(found) => {

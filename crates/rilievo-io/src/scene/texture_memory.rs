@@ -101,7 +101,7 @@ impl Tiles {
 
 impl Loader<'_> {
     /// Bytes that images may take, if there is a limit.
-    fn texture_limit(&self) -> Option<u64> {
+    pub(super) fn texture_limit(&self) -> Option<u64> {
         self.options.texture_memory.or(self.file.render.texture_memory)
     }
 
