@@ -201,6 +201,7 @@ Examples:
   rilievo info heights.png --normals normals.png
   rilievo info textures/rock058/
   rilievo info spot.obj
+  rilievo info heights.png --layout tiny --quiet
   rilievo info dem.tif --grid vertex --wrap clamp --resolution 1920x1080
   rilievo info heights-distance.rlv
   rilievo info scene.toml --json";
@@ -211,6 +212,7 @@ Exit code 3 says that a stored distance or bound is not safe, 1 that a file coul
 Examples:
   rilievo check scene.toml
   rilievo check heights-distance.rlv --map heights.png
+  rilievo check pits-bounds.rlv --map pits.png --invert
   rilievo check dem-bounds.rlv --map dem.tif --json";
 
 const DIFF: &str = "\
@@ -220,4 +222,5 @@ number. A pixel with a number in one picture only fails unless --pixels allows i
 Examples:
   rilievo diff a.exr b.exr
   rilievo diff a.png b.png --rmse 0.002 --pixels 20
+  rilievo diff a.exr b.exr --max 0.001 --mean 1e-5
   rilievo diff a.exr b.exr --layer P --tolerance 0.01 -o heat.png --json";

@@ -1,5 +1,7 @@
 //! [`Denoiser`]: which filter takes the noise off a picture.
 
+mod oidn;
+
 use clap::ValueEnum;
 use rilievo_render::Film;
 
@@ -10,7 +12,7 @@ use crate::outcome::Failure;
 pub enum Denoiser {
     /// Non-local means of this program.
     Own,
-    /// Intel Open Image Denoise, where the program was built with it.
+    /// Intel Open Image Denoise, where the program was built with it and its library is there.
     Oidn,
 }
 
@@ -47,64 +49,5 @@ impl Denoiser {
             }
             Self::Oidn => oidn::run(film),
         }
-    }
-}
-
-#[cfg(feature = "oidn")]
-mod oidn {
-    //! The library, linked at build time.
-
-    use oidn::{Device, Error, RayTracing};
-    use rilievo_render::{Aov, Film};
-
-    use crate::outcome::Failure;
-
-    fn told(error: &Error) -> Failure {
-        let (kind, message) = (error.kind().as_str(), error.message());
-        Failure::Refused(format!("Intel Open Image Denoise: {kind}: {message}"))
-    }
-
-    pub fn check() -> Result<(), Failure> {
-        Device::new().map(drop).map_err(|e| told(&e))
-    }
-
-    pub fn run(film: &Film) -> Result<Vec<[f32; 3]>, Failure> {
-        let device = Device::new().map_err(|e| told(&e))?;
-        let [width, height] = film.resolution().map(|n| n as usize);
-        let guide = |aov| film.layer(aov).map_or(&[][..], |layer| layer.values());
-        let mut out = vec![[0.0; 3]; film.radiance().len()];
-        let mut filter = RayTracing::try_new(&device).map_err(|e| told(&e))?;
-        filter
-            .hdr(true)
-            .image_dimensions(width, height)
-            .albedo_normal(guide(Aov::Albedo), guide(Aov::Ns))
-            .filter(film.radiance().as_flattened(), out.as_flattened_mut())
-            .map_err(|e| told(&e))?;
-        for ((out, noisy), done) in out.iter_mut().zip(film.radiance()).zip(film.finished()) {
-            if !done {
-                *out = *noisy;
-            }
-        }
-        Ok(out)
-    }
-}
-
-#[cfg(not(feature = "oidn"))]
-mod oidn {
-    //! What is said where the library is not part of the program.
-
-    use rilievo_render::Film;
-
-    use crate::outcome::Failure;
-
-    const NOT_THERE: &str = "this program was built without Intel Open Image Denoise; take \
-        --denoise alone, or build with `--features oidn` and OIDN_DIR naming the library's folder";
-
-    pub fn check() -> Result<(), Failure> {
-        Err(Failure::Refused(NOT_THERE.to_owned()))
-    }
-
-    pub fn run(_: &Film) -> Result<Vec<[f32; 3]>, Failure> {
-        Err(Failure::Refused(NOT_THERE.to_owned()))
     }
 }

@@ -50,6 +50,7 @@ fn every_help_is_complete_and_ends_with_examples() {
         "--time-limit",
         "--checkpoint",
         "--resume",
+        "--clamp",
         "--sample-range",
         "--crop",
         "--max-error",
@@ -62,33 +63,58 @@ fn every_help_is_complete_and_ends_with_examples() {
     assert!(folder.run("--version").expect(0).stdout.starts_with("rilievo "));
 }
 
-#[test]
-fn every_flag_of_render_stands_in_a_group_and_in_an_example() {
-    let help = Folder::new().run("render --help").expect(0).stdout;
-    let (flags, examples) = help.split_once("Examples:\n").unwrap();
-    let (_, flags) = flags.split_once("Options:\n").unwrap();
+/// The flags that a help describes.
+fn flags_of(help: &str) -> Vec<String> {
     let named = |line: &str| {
         let (_, rest) = line.split_once("--")?;
         let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(rest.len());
         let first = line.trim_start();
         first.starts_with('-').then(|| rest[..end].to_owned())
     };
-    let flags: Vec<_> = flags.lines().filter_map(named).collect();
+    let (_, flags) = help.split_once("Options:\n").unwrap();
+    let own = |flag: &String| !["help", "version"].contains(&flag.as_str());
+    flags.lines().filter_map(named).filter(own).collect()
+}
+
+/// Whether an example shows a flag.
+fn shows(example: &str, flag: &str) -> bool {
+    let after = example.split_once(&format!(" --{flag}")).map(|(_, rest)| rest);
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_ascii_lowercase() || c == '-');
+    after.is_some_and(ends) || flag == "output" && example.contains(" -o ")
+}
+
+#[test]
+fn every_flag_of_render_stands_in_a_group_and_in_an_example() {
+    let help = Folder::new().run("render --help").expect(0).stdout;
+    let (flags, examples) = help.split_once("Examples:\n").unwrap();
+    let flags = flags_of(flags);
     assert!(flags.len() > 25, "{flags:?}");
-    for flag in flags.iter().filter(|flag| !["help", "version"].contains(&flag.as_str())) {
-        let short = if flag == "output" { " -o " } else { "" };
-        let long = format!(" --{flag}");
-        let shown = |line: &str| {
-            let after = line.split_once(&long).map(|(_, rest)| rest);
-            after
-                .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_lowercase() || c == '-'))
-        };
-        let found =
-            examples.lines().any(|line| shown(line) || !short.is_empty() && line.contains(short));
-        assert!(found, "--{flag} has no example");
+    for flag in flags {
+        assert!(examples.lines().any(|line| shows(line, &flag)), "--{flag} has no example");
     }
     for group in ["Picture:", "Samples:", "Walk:", "Limits:", "While it runs:"] {
         assert!(help.contains(&format!("\n{group}\n")), "{group}");
+    }
+}
+
+#[test]
+fn every_flag_has_an_example() {
+    let folder = Folder::new();
+    let help = |command: &str| folder.run(&format!("{command} --help")).expect(0).stdout;
+    // What several commands have alike is shown by one of them.
+    let commands =
+        ["bake normal", "bake distance", "bake bounds", "info", "check", "diff", "merge"];
+    let helps = commands.map(help);
+    let examples: Vec<_> =
+        helps.iter().filter_map(|help| help.split_once("Examples:\n")).map(|(_, e)| e).collect();
+    for (command, help) in commands.iter().zip(&helps) {
+        let (flags, own) = help.split_once("Examples:\n").unwrap();
+        for flag in flags_of(flags) {
+            let alike = ["grid", "wrap", "invert", "json", "quiet"].contains(&flag.as_str());
+            let found = if alike { &examples[..] } else { &[own][..] };
+            let mut lines = found.iter().flat_map(|examples| examples.lines());
+            assert!(lines.any(|line| shows(line, &flag)), "{command}: --{flag} has no example");
+        }
     }
 }
 

@@ -23,10 +23,10 @@
 //!
 //! Memory: 16 bytes a channel and 20 for the counts, 84 a pixel without layers.
 
-use glam::DVec3;
+mod pixel;
 
 use super::{Aov, FilmError, PixelMut, Tile, filled};
-use crate::colour::Rgb;
+pub(crate) use pixel::PixelSums;
 
 /// Largest absolute value of a channel of a sample.
 pub const MOST: f64 = (1_u64 << 40) as f64;
@@ -139,11 +139,8 @@ impl Sums {
     pub(crate) fn pixel_mut(&mut self, x: u32, y: u32) -> PixelSums<'_> {
         let at = y as usize * self.size[0] as usize + x as usize;
         let stride = stride(&self.aovs);
-        PixelSums {
-            values: &mut self.values[at * stride..(at + 1) * stride],
-            counts: &mut self.counts[at],
-            aovs: &self.aovs,
-        }
+        let values = &mut self.values[at * stride..(at + 1) * stride];
+        PixelSums::new(values, &mut self.counts[at], &self.aovs)
     }
 
     /// Samples that every pixel of the tile has taken: tiles go on as a whole.
@@ -252,52 +249,6 @@ pub(super) fn rows(
     })
 }
 
-/// The sums of a pixel.
-pub(crate) struct PixelSums<'a> {
-    values: &'a mut [i128],
-    counts: &'a mut Counts,
-    aovs: &'a [Aov],
-}
-
-impl PixelSums<'_> {
-    /// The layers.
-    pub(crate) fn aovs(&self) -> &[Aov] {
-        self.aovs
-    }
-
-    /// Adds the colour of a sample of weight 1 or -1.
-    #[inline]
-    pub(crate) fn add(&mut self, radiance: Rgb, weight: f64) {
-        self.counts.taken += 1;
-        if !radiance.is_finite() || radiance.abs().max_element() > MOST {
-            self.counts.refused += 1;
-            return;
-        }
-        self.counts.weight += if weight < 0.0 { -1 } else { 1 };
-        let signed = radiance * weight.signum();
-        for (sum, channel) in self.values.iter_mut().zip(signed.to_array()) {
-            *sum += (channel * UNITS) as i128;
-        }
-        let mean = (radiance.element_sum() / 3.0).abs().min(MOST_SQUARED);
-        self.values[3] += (mean * mean * SQUARE_UNITS) as i128;
-    }
-
-    /// Adds to the layers what a sample of positive weight saw; `value` is asked for each layer.
-    pub(crate) fn add_layers(&mut self, hit: bool, mut value: impl FnMut(Aov) -> Option<DVec3>) {
-        self.counts.seen += 1;
-        self.counts.hits += u32::from(hit);
-        let mut rest = self.values[COLOUR..].iter_mut();
-        for &aov in self.aovs {
-            let channels = aov.channels().len();
-            let value = value(aov).unwrap_or(DVec3::ZERO).to_array();
-            for (sum, channel) in rest.by_ref().take(channels).zip(value) {
-                // Not a number adds nothing.
-                *sum += (channel.clamp(-MOST, MOST) * UNITS) as i128;
-            }
-        }
-    }
-}
-
 /// A sum over a count, as a picture keeps it.
 fn mean(sum: i128, count: f64) -> Option<f32> {
     (count != 0.0).then(|| (sum as f64 / (UNITS * count)) as f32)
@@ -305,7 +256,10 @@ fn mean(sum: i128, count: f64) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::colour::Rgb;
     use crate::film::Film;
 
     /// The samples of a pixel: many magnitudes, both signs.
