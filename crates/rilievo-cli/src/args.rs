@@ -49,7 +49,7 @@ pub enum Command {
     #[command(after_help = MERGE)]
     Merge(MergeArgs),
     /// Look at a scene, a height map or a texture set in a window, and edit its relief.
-    #[command(disable_help_flag = true)]
+    #[command(disable_help_flag = true, disable_version_flag = true)]
     View(ViewArgs),
 }
 
