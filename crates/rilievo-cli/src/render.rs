@@ -1,10 +1,11 @@
 //! `rilievo render`: a scene to a picture.
 
-use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats};
+use rilievo_render::{Film, FirstHits, RayCounts, RenderOptions, RenderStats};
 use serde::Serialize;
 
+use crate::args::RenderArgs;
 use crate::args::value::PictureFormat;
-use crate::args::{Backend, RenderArgs};
+use crate::backend;
 use crate::checkpoint::{self, Before, Checkpoints};
 use crate::interrupt::Interrupt;
 use crate::job::RenderJob;
@@ -46,6 +47,8 @@ struct Report {
     refused_samples: u64,
     complete: bool,
     output: String,
+    /// What traced camera rays: "cpu", or the name of a GPU.
+    backend: String,
 }
 
 /// Rays traced, by kind.
@@ -66,10 +69,6 @@ impl From<RayCounts> for Rays {
 }
 
 pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
-    if args.backend == Backend::Gpu {
-        let why = "this build has no GPU backend; take --backend cpu";
-        return Err(Failure::Refused(why.to_owned()));
-    }
     // Maps are built by the global pool, pictures by one of their own.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads);
     pool.build_global().map_err(Failure::refused)?;
@@ -89,7 +88,10 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let name = args.output.path.display().to_string();
     let live = LiveView::open(args.tev.as_deref(), &name, job.window().size, args.talk);
     let resumed = film.is_some();
-    let (film, stats, limited) = render(args, &job, film, (&interrupt, &live))?;
+    let begin = |first_hits: Option<&FirstHits<'_>>| {
+        render(args, &job, (film, first_hits), (&interrupt, &live))
+    };
+    let ((film, stats, limited), backend) = backend::with_first_hits(args, &job.scene, begin)?;
     let rendering = watch.elapsed();
     let share = film.rays_done() as f64 / film.rays() as f64;
     let output = &args.output;
@@ -124,6 +126,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
         refused_samples: stats.refused,
         complete: stats.complete,
         output: output.path.display().to_string(),
+        backend,
     };
     report.tell(args, kept);
     args.talk.object(&report)?;
@@ -139,7 +142,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
 fn render(
     args: &RenderArgs,
     job: &RenderJob,
-    film: Option<Film>,
+    (film, first_hits): (Option<Film>, Option<&FirstHits<'_>>),
     (interrupt, live): (&Interrupt, &LiveView),
 ) -> Result<(Film, RenderStats, bool), Failure> {
     let film = match film {
@@ -153,8 +156,9 @@ fn render(
         live.watch(film);
         checkpoints.watch(film);
     };
+    let cancel = interrupt.flag();
     let options =
-        RenderOptions { progress: &tell, watch: &watch, cancel: interrupt.flag(), ..job.options() };
+        RenderOptions { first_hits, progress: &tell, watch: &watch, cancel, ..job.options() };
     let work = || rilievo_render::resume(&job.scene, &options, film);
     let (result, limited) = interrupt.limited(args.time_limit, work);
     drop(progress);

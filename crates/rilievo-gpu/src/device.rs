@@ -12,6 +12,9 @@ use crate::shaders;
 /// of it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Bytes that no record in a buffer exceeds: devices refuse a buffer that holds less than one.
+const LARGEST_RECORD: u64 = 512;
+
 /// An opened GPU.
 pub struct Gpu {
     name: String,
@@ -95,7 +98,7 @@ impl Gpu {
         self.software
     }
 
-    /// A buffer with these bytes, at least four of them.
+    /// A buffer with these bytes; at least with room for one record of any kind.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`], [`GpuError::Lost`].
@@ -105,7 +108,7 @@ impl Gpu {
         bytes: &[u8],
     ) -> Result<wgpu::Buffer, GpuError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let buffer = self.allocate(what, bytes.len() as u64, usage)?;
+        let buffer = self.allocate(what, (bytes.len() as u64).max(LARGEST_RECORD), usage)?;
         let whole = bytes.len() / 4 * 4;
         self.queue.write_buffer(&buffer, 0, &bytes[..whole]);
         if whole < bytes.len() {

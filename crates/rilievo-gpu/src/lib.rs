@@ -21,7 +21,10 @@
 //! **Order of work.** Hits are completed on the CPU in `f64`, from cell, place and parameter: normals, position and its
 //! error bound come from the code that all CPU methods share. A GPU gives back 48 bytes a ray.
 //!
-//! **Limits.** Displaced quads, traced by an exact method; other surfaces are refused by name. All maps of a world share one
+//! **Flat surfaces** are met in doubles too: triangles by sheared edges, spheres by their quadratic, below trees of
+//! boxes in floats, rounded outward. The CPU then meets the surface that the GPU names once more, in `f64`.
+//!
+//! **Limits.** Displaced spheres and meshes, and methods that are not exact, are refused by name. All maps of a world share one
 //! buffer: 128 MiB on the least of devices, 2 to 4 GiB on most. Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
@@ -36,8 +39,9 @@ mod device;
 mod error;
 mod records;
 mod shaders;
+mod upload;
 mod world;
 
 pub use device::Gpu;
 pub use error::GpuError;
-pub use world::{GpuWorld, Traced};
+pub use world::GpuWorld;

@@ -11,8 +11,13 @@ pub(crate) const RAY_WORDS: usize = 18;
 /// Words of a hit.
 pub(crate) const HIT_WORDS: usize = 12;
 /// Words of a face.
-#[cfg(test)]
 pub(crate) const FACE_WORDS: usize = 72;
+/// Words of a surface.
+pub(crate) const SURFACE_WORDS: usize = 4;
+/// Words of a node.
+pub(crate) const NODE_WORDS: usize = 8;
+/// Words of a triangle in `numbers`: three corners, its index, and one that is unused.
+pub(crate) const TRIANGLE_WORDS: usize = 20;
 /// Words of a level in the table of a pyramid: nodes along x, first word of maxima and of minima.
 pub(crate) const LEVEL_WORDS: usize = 3;
 
@@ -20,6 +25,8 @@ pub(crate) const LEVEL_WORDS: usize = 3;
 const NOTHING: u32 = u32::MAX;
 /// Bit of a side.
 const FRONT: u32 = 1;
+/// Bit of a surface that rays from behind pass through.
+const ONE_SIDED: u32 = 4;
 /// Where the kind of a wall begins.
 const WALL_SHIFT: u32 = 8;
 
@@ -78,6 +85,7 @@ pub(crate) fn write_ray(words: &mut Vec<u32>, ray: &Ray, anchor: DVec3) {
         Some(from) => {
             let (kind, line) = match from.part {
                 Part::Wall(wall) => wall_code(wall),
+                Part::Triangle(index) => (0, index as i32),
                 _ => (0, 0),
             };
             let side = if from.front { FRONT } else { 0 };
@@ -131,9 +139,18 @@ impl HitRecord<'_> {
         self.0[10]
     }
 
-    /// The hit on a face, worked out in `f64`.
-    pub fn on_face(&self, face: &ReliefFace, ray: &Ray) -> Hit {
-        let t = self.double(0) * direction_scale(ray);
+    /// The triangle that was hit, if the surface has triangles.
+    pub fn triangle(&self) -> u32 {
+        self.0[6]
+    }
+
+    /// Parameter of the hit on the ray that was traced.
+    pub fn t(&self, ray: &Ray) -> f64 {
+        self.double(0) * direction_scale(ray)
+    }
+
+    /// The hit on a face at `t`, worked out in `f64`; the ray is in the frame of the face.
+    pub fn on_face(&self, face: &ReliefFace, ray: &Ray, t: f64) -> Hit {
         let cell = [self.0[6] as i32, self.0[7] as i32];
         let front = self.0[9] & FRONT != 0;
         match self.0[9] >> WALL_SHIFT {
@@ -147,12 +164,7 @@ impl HitRecord<'_> {
 }
 
 /// Writes a face whose map lies at `place`; `anchor` is that of the rays.
-pub(crate) fn write_face(
-    words: &mut Vec<u32>,
-    (face, surface): (&ReliefFace, u32),
-    place: MapPlace,
-    anchor: DVec3,
-) {
+pub(crate) fn write_face(words: &mut Vec<u32>, face: &ReliefFace, place: MapPlace, anchor: DVec3) {
     let (frame, map) = (face.lattice_frame(), face.relief().heights());
     let by_row = frame.lattice_from_world.transpose();
     [by_row.x_axis, by_row.y_axis, by_row.z_axis].into_iter().for_each(|row| words.vector(row));
@@ -173,7 +185,53 @@ pub(crate) fn write_face(
     words.push(flags.into_iter().zip(0..).map(|(flag, bit)| u32::from(flag) << bit).sum());
     words.extend([map.width(), map.height(), map.x().cells(), map.y().cells()]);
     words.extend(unfolding(map.x()));
-    words.extend([place.heights, place.bounds, levels(map), surface]);
+    words.extend([place.heights, place.bounds, levels(map), 0]);
+}
+
+/// A surface of the world, or what an instance shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceRecord {
+    kind: u32,
+    data: u32,
+    one_sided: bool,
+    /// Place of the transform in `numbers`, if it stands elsewhere.
+    transform: Option<u32>,
+}
+
+impl SurfaceRecord {
+    /// A displaced face by its number.
+    pub fn face(number: u32) -> Self {
+        Self { kind: 1, data: number, one_sided: false, transform: None }
+    }
+
+    /// A sphere by the place of its centre and radius.
+    pub fn sphere(place: u32) -> Self {
+        Self { kind: 2, data: place, one_sided: false, transform: None }
+    }
+
+    /// Triangles by the root of their tree.
+    pub fn triangles(root: u32, one_sided: bool) -> Self {
+        Self { kind: 3, data: root, one_sided, transform: None }
+    }
+
+    /// The same surface as an instance shows it, by the place of the transform in `numbers`.
+    pub fn shown_at(self, transform: u32) -> Self {
+        Self { transform: Some(transform), ..self }
+    }
+
+    /// Appends the record.
+    pub fn write(&self, words: &mut Vec<u32>) {
+        let flags = u32::from(self.one_sided) * ONE_SIDED;
+        words.extend([self.kind, self.data, self.transform.unwrap_or(NOTHING), flags]);
+    }
+}
+
+/// Appends a node with a box from `low` to `high`, rounded outward.
+pub(crate) fn write_node(words: &mut Vec<u32>, (low, high): (DVec3, DVec3), content: [u32; 2]) {
+    let margin = f64::from(f32::EPSILON) * low.abs().max(high.abs()).max_element();
+    low.to_array().into_iter().for_each(|x| words.float(((x - margin) as f32).next_down()));
+    high.to_array().into_iter().for_each(|x| words.float(((x + margin) as f32).next_up()));
+    words.extend(content);
 }
 
 /// Whether samples are texels, and the wrap.

@@ -14,6 +14,9 @@ pub(crate) const CLOSEST: &str = concat!(
     include_str!("shaders/walk.wgsl"),
     include_str!("shaders/walls.wgsl"),
     include_str!("shaders/trace.wgsl"),
+    include_str!("shaders/triangle.wgsl"),
+    include_str!("shaders/sphere.wgsl"),
+    include_str!("shaders/world.wgsl"),
     include_str!("shaders/closest.wgsl"),
 );
 
@@ -51,6 +54,8 @@ mod tests {
             ("Ray", records::RAY_WORDS),
             ("Hit", records::HIT_WORDS),
             ("Face", records::FACE_WORDS),
+            ("Surface", records::SURFACE_WORDS),
+            ("Node", records::NODE_WORDS),
         ] {
             let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
                 naga::TypeInner::Struct { span, .. } if ty.name.as_deref() == Some(name) => {

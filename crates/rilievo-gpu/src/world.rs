@@ -1,20 +1,19 @@
 //! [`GpuWorld`]: surfaces on a GPU, ready to trace.
 
-use std::collections::HashMap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use rilievo::glam::DVec3;
-use rilievo::map::{Layout, Pyramid};
-use rilievo::relief::ReliefFace;
 use rilievo::surface::{Surface, World};
 use rilievo::{Hit, Ray};
+use rilievo_render::Traced;
 use wgpu::BufferUsages;
 
 use crate::device::Gpu;
 use crate::error::GpuError;
-use crate::records::{self, HIT_WORDS, HitRecord, MapPlace, RAY_WORDS};
+use crate::records::{self, HIT_WORDS, HitRecord, RAY_WORDS};
+use crate::upload::Upload;
 
 /// Rays uploaded at once.
 const BATCH: usize = 1 << 20;
@@ -29,22 +28,14 @@ const LARGEST_DISPATCH: u32 = 1 << 20;
 /// its start does not count.
 const DISPATCH: Duration = Duration::from_millis(100);
 
-/// The answer to one ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Traced {
-    /// The nearest hit.
-    pub hit: Option<Hit>,
-    /// Nodes and blocks of cells looked at.
-    pub steps: u32,
-}
-
 /// Surfaces on a GPU.
 pub struct GpuWorld<'a> {
     gpu: &'a Gpu,
-    surfaces: &'a [Surface],
+    world: &'a World,
     anchor: DVec3,
-    faces: u32,
-    buffers: [wgpu::Buffer; 3],
+    /// How many can be hit at all; none where the tree is empty.
+    surfaces: u32,
+    buffers: [wgpu::Buffer; 6],
     params: wgpu::Buffer,
     /// Rays of the next dispatch; follows the time that dispatches take.
     dispatch: AtomicU32,
@@ -54,33 +45,29 @@ impl<'a> GpuWorld<'a> {
     /// Brings the surfaces of a world to a GPU: heights and pyramids, each map once.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for a surface that is no displaced face or is traced by a method that
-    /// is not exact; otherwise as the device says.
+    /// [`GpuError::Unsupported`] for a displaced sphere or mesh and for a method that is not exact; otherwise as the
+    /// device says.
     pub fn new(gpu: &'a Gpu, world: &'a World) -> Result<Self, GpuError> {
-        let surfaces = world.surfaces();
         let bounds = world.bounds();
-        let anchor =
-            if surfaces.is_empty() { DVec3::ZERO } else { bounds.min.midpoint(bounds.max) };
-        let mut maps = Maps::default();
-        let mut faces = Vec::new();
-        for (index, surface) in (0..).zip(surfaces) {
-            let face = supported(surface)?;
-            let place = maps.place(face);
-            records::write_face(&mut faces, (face, index), place, anchor);
-        }
+        let anchor = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
+        let words = Upload::new(world, anchor)?;
+        let surfaces = if words.is_empty() { 0 } else { world.surfaces().len() as u32 };
         let upload =
             |what, words: &Vec<u32>| gpu.upload(what, bytemuck::cast_slice(words.as_slice()));
         let buffers = [
-            upload("surfaces", &faces)?,
-            upload("height maps", &maps.heights)?,
-            upload("bounds", &maps.bounds)?,
+            upload("displaced faces", &words.faces)?,
+            upload("height maps", &words.heights)?,
+            upload("bounds", &words.bounds)?,
+            upload("surfaces", &words.surfaces)?,
+            upload("trees", &words.nodes)?,
+            upload("triangles", &words.numbers)?,
         ];
         let params = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
             gpu,
-            surfaces,
+            world,
             anchor,
-            faces: surfaces.len() as u32,
+            surfaces,
             buffers,
             params: gpu.allocate("parameters", 16, params)?,
             dispatch: AtomicU32::new(FIRST_DISPATCH),
@@ -96,18 +83,25 @@ impl<'a> GpuWorld<'a> {
         let mut found = Vec::with_capacity(rays.len());
         for rays in rays.chunks(BATCH) {
             let words = self.trace(rays)?;
-            let hits = words.chunks_exact(HIT_WORDS).map(HitRecord);
-            found.extend(rays.iter().zip(hits).map(|(ray, record)| self.answer(ray, &record)));
+            let hits = words.par_chunks_exact(HIT_WORDS).map(HitRecord);
+            let answer = |(ray, record)| self.answer(ray, &record);
+            found.par_extend(rays.par_iter().zip(hits).map(answer));
         }
         Ok(found)
     }
 
+    /// Works a hit out in `f64`; where the CPU cannot find the surface that the GPU names, at a border that is a
+    /// rounding away, its own answer counts.
     fn answer(&self, ray: &Ray, record: &HitRecord<'_>) -> Traced {
-        let hit = record.surface().and_then(|index| match self.surfaces.get(index as usize)? {
-            Surface::Face(face) => Some(Hit { surface: index, ..record.on_face(face, ray) }),
-            _ => None,
+        let hit = record.surface().and_then(|index| {
+            let surface = self.world.surfaces().get(index as usize)?;
+            let from = ray.from.filter(|from| from.surface == index);
+            match completed(surface, &Ray { from, ..*ray }, record.t(ray), record) {
+                Some(hit) => Some(Hit { surface: index, ..hit }),
+                None => self.world.closest(ray, &mut ()),
+            }
         });
-        Traced { hit, steps: record.steps() }
+        Traced { hit, work: u64::from(record.steps()) }
     }
 
     /// The records of the nearest hits of at most [`BATCH`] rays.
@@ -119,10 +113,9 @@ impl<'a> GpuWorld<'a> {
         let bytes = (rays.len() * HIT_WORDS * 4) as u64;
         let hits = gpu.allocate("hits", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = gpu.allocate("hits", bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
-        let [faces, heights, bounds] = &self.buffers;
-        let bound = [&self.params, &rays_buffer, &hits, faces, heights, bounds];
+        let own = [&self.params, &rays_buffer, &hits];
         let entries: Vec<_> = (0..)
-            .zip(bound)
+            .zip(own.into_iter().chain(&self.buffers))
             .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),
@@ -154,7 +147,7 @@ impl<'a> GpuWorld<'a> {
         rays: std::ops::Range<u32>,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu;
-        let params = [0, rays.start, rays.end, self.faces];
+        let params = [0, rays.start, rays.end, self.surfaces];
         gpu.queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
         let mut commands = gpu.device.create_command_encoder(&Default::default());
         let mut pass = commands.begin_compute_pass(&Default::default());
@@ -177,53 +170,17 @@ impl<'a> GpuWorld<'a> {
     }
 }
 
-/// The face that a surface is, if the shaders know it.
-fn supported(surface: &Surface) -> Result<&ReliefFace, GpuError> {
+/// The hit on the surface that a record names.
+fn completed(surface: &Surface, ray: &Ray, t: f64, record: &HitRecord<'_>) -> Option<Hit> {
     match surface {
-        Surface::Face(face) if face.options().method.is_exact() => Ok(face),
-        Surface::Face(face) => {
-            Err(GpuError::Unsupported { what: format!("method {}", face.options().method) })
+        Surface::Quad(quad) => quad.closest(ray),
+        Surface::Sphere(sphere) => sphere.closest(ray),
+        Surface::Mesh(mesh) => mesh.hit_on(record.triangle(), ray),
+        Surface::Face(face) => Some(record.on_face(face, ray, t)),
+        Surface::Instance(instance) => {
+            let hit = completed(instance.prototype(), &instance.local_ray(ray), t, record)?;
+            Some(instance.world_hit(hit))
         }
-        other => Err(GpuError::Unsupported { what: kind(other).to_owned() }),
-    }
-}
-
-/// What a surface is called.
-fn kind(surface: &Surface) -> &'static str {
-    match surface {
-        Surface::Quad(_) => "a quad without displacement",
-        Surface::Sphere(_) => "a sphere",
-        Surface::Mesh(_) => "a mesh",
-        Surface::Face(_) => "a displaced quad",
-        Surface::ReliefSphere(_) => "a displaced sphere",
-        Surface::ReliefMesh(_) => "a displaced mesh",
-        Surface::Instance(_) => "an instance",
-        Surface::Moving(_) => "a surface that moves",
-    }
-}
-
-/// The maps of a world, each once.
-#[derive(Default)]
-struct Maps {
-    heights: Vec<u32>,
-    bounds: Vec<u32>,
-    places: HashMap<usize, MapPlace>,
-}
-
-impl Maps {
-    fn place(&mut self, face: &ReliefFace) -> MapPlace {
-        let relief = face.relief();
-        let Self { heights, bounds, places } = self;
-        *places.entry(Arc::as_ptr(relief).addr()).or_insert_with(|| {
-            let map = relief.heights();
-            // Hits do not depend on the layout.
-            let written = records::write_bounds(bounds, relief.pyramid()).or_else(|| {
-                records::write_bounds(bounds, &Pyramid::build_as(map, Layout::Default))
-            });
-            MapPlace {
-                heights: records::write_heights(heights, map),
-                bounds: written.unwrap_or_default(),
-            }
-        })
+        Surface::ReliefSphere(_) | Surface::ReliefMesh(_) | Surface::Moving(_) => None,
     }
 }

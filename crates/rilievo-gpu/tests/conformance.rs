@@ -101,7 +101,7 @@ fn hits_on_displaced_faces_are_those_of_the_cpu() {
         let mut random = Random::new(&[plan.seed, index, u64::MAX]);
         for ((family, ray), traced) in rays.iter().zip(&found) {
             let cpu = face.closest(ray, &mut ());
-            tally.steps += u64::from(traced.steps);
+            tally.steps += traced.work;
             let sides = if *family == Family::Border { Sides::Either } else { Sides::Same };
             if !tally.agrees(&cpu, &traced.hit, oracle.size(), sides) {
                 if excused(&oracle, ray, &traced.hit, sides)

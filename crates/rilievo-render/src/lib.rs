@@ -47,6 +47,7 @@
 //! - [`mod@denoise`]: noise averaged away, edges kept.
 //! - [`film`]: the image, pixel filters, tone mapping, false colours.
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
+//! - [`first_hits`]: what traces camera rays in place of the scene's world, a GPU for instance.
 //! - [`memory`]: what a render will hold.
 
 #![forbid(unsafe_code)]
@@ -55,9 +56,11 @@ pub mod bsdf;
 pub mod colour;
 pub mod denoise;
 pub mod film;
+pub mod first_hits;
 pub mod integrator;
 pub mod light;
 pub mod memory;
+mod pass;
 pub mod render;
 pub mod sampler;
 pub mod scene;
@@ -66,6 +69,7 @@ pub mod texture;
 pub use bsdf::{Bsdf, Scattered};
 pub use colour::Rgb;
 pub use film::{Aov, Film, Filter, FilterKind};
+pub use first_hits::{FirstHits, Traced};
 pub use integrator::{Integrator, RayCounts};
 pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, begin, check, render, resume};

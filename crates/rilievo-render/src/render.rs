@@ -19,13 +19,12 @@
 //! windows (which therefore must not cut tiles). Asking few times keeps the bias small that stopping
 //! at lucky moments brings: what stops has on average seen slightly too few bright paths.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
-use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 
 use crate::film::{Aov, Film, FilmError, Layer, Tile};
-use crate::integrator::{Integrator, PixelTracer, RayCounts};
+use crate::first_hits::FirstHits;
+use crate::integrator::{Integrator, RayCounts};
+use crate::pass::{Passes, Shared, Tiles};
 use crate::scene::Scene;
 
 /// How to render, beyond what the scene says.
@@ -44,6 +43,8 @@ pub struct RenderOptions<'a> {
     pub samples: Option<[u32; 2]>,
     /// Relative error at which a tile has samples enough; none by default.
     pub max_error: Option<f64>,
+    /// What finds the first hits in place of the scene's world; nothing by default.
+    pub first_hits: Option<&'a FirstHits<'a>>,
     /// Told (camera rays done, camera rays in all) after every tile, from any thread.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
     /// Shown the film as it stands after every tile, from any thread; nobody else writes meanwhile.
@@ -65,6 +66,7 @@ impl Default for RenderOptions<'_> {
             crop: None,
             samples: None,
             max_error: None,
+            first_hits: None,
             progress: &|_, _| {},
             watch: &|_| {},
             cancel: &NO_CANCEL,
@@ -127,6 +129,9 @@ pub enum RenderError {
     /// A part of a texture could not be read when it was needed.
     #[error("a texture could not be read: {0}")]
     Texture(String),
+    /// What was to find the first hits could not.
+    #[error("{0}")]
+    FirstHits(String),
     /// The threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {
@@ -150,9 +155,6 @@ pub(crate) fn thread_count(threads: usize) -> usize {
 
 /// Radiance below which errors are weighed as if it were so bright.
 pub const FLOOR: f64 = 0.01;
-
-/// Samples at which a tile is first asked for its error.
-const FIRST_QUESTION: u32 = 64;
 
 /// Renders `scene`.
 ///
@@ -239,179 +241,12 @@ pub fn resume(
     })?;
     let [first, end] = film.samples();
     let pass = Passes { scene, options, tiles: Tiles::of(film.window()), samples: end - first };
-    let shared = Shared {
-        done: AtomicU64::new(film.rays_done()),
-        film: Mutex::new(film),
-        rays: Mutex::new(RayCounts::default()),
-    };
+    let shared = Shared::new(film);
     pool.install(|| pass.all(&shared))?;
-    let film = into_inner(shared.film);
+    let (film, rays) = shared.into_parts();
     let refused = film
         .sums()
         .map_or(0, |sums| sums.counts().iter().map(|counts| u64::from(counts.refused)).sum());
-    let (rays, complete) = (into_inner(shared.rays), film.is_complete());
+    let complete = film.is_complete();
     Ok((film, RenderStats { rays, refused, complete }))
-}
-
-/// What all threads write to.
-struct Shared {
-    film: Mutex<Film>,
-    rays: Mutex<RayCounts>,
-    done: AtomicU64,
-}
-
-/// The tiles of a window: those of the whole image, cut by the window's border.
-struct Tiles {
-    window: Tile,
-    /// First tile along x and y.
-    first: [u32; 2],
-    /// Tiles along x and y: at most 4096 each, see `Camera::MAX_RESOLUTION`.
-    count: [u32; 2],
-}
-
-impl Tiles {
-    fn of(window: Tile) -> Self {
-        let first = window.corner.map(|at| at / TILE);
-        let count = [0, 1].map(|axis| window.end()[axis].div_ceil(TILE) - first[axis]);
-        Self { window, first, count }
-    }
-
-    fn len(&self) -> u32 {
-        self.count[0] * self.count[1]
-    }
-
-    /// A tile, in pixels of the window.
-    fn get(&self, index: u32) -> Tile {
-        let place = [index % self.count[0], index / self.count[0]];
-        let bound = |axis: usize, after: u32| {
-            let at = (self.first[axis] + place[axis] + after) * TILE;
-            at.clamp(self.window.corner[axis], self.window.end()[axis]) - self.window.corner[axis]
-        };
-        let corner = [bound(0, 0), bound(1, 0)];
-        Tile { corner, size: [bound(0, 1) - corner[0], bound(1, 1) - corner[1]] }
-    }
-}
-
-/// Passes over the tiles of a film.
-struct Passes<'a> {
-    scene: &'a Scene,
-    options: &'a RenderOptions<'a>,
-    tiles: Tiles,
-    /// Samples a pixel.
-    samples: u32,
-}
-
-impl Passes<'_> {
-    fn all(&self, shared: &Shared) -> Result<(), RenderError> {
-        let sums = self.scene.settings().integrator.sums();
-        let mut end = if sums { 1 } else { self.samples };
-        loop {
-            let up_to = end.min(self.samples);
-            (0..self.tiles.len())
-                .into_par_iter()
-                .with_max_len(1)
-                .try_for_each(|index| self.visit(self.tiles.get(index), up_to, shared))?;
-            if up_to == self.samples || self.cancelled() {
-                return Ok(());
-            }
-            end = if end < FIRST_QUESTION { 4 * end } else { end + FIRST_QUESTION };
-        }
-    }
-
-    fn cancelled(&self) -> bool {
-        self.options.cancel.load(Ordering::Relaxed)
-    }
-
-    /// Takes the samples of a tile up to `end` of the range and puts it back into the film, unless
-    /// cancelled before its last row.
-    fn visit(&self, tile: Tile, end: u32, shared: &Shared) -> Result<(), RenderError> {
-        let Some((mut pixels, taken)) = lock(&shared.film).part(tile, end)? else {
-            return Ok(());
-        };
-        let film_corner = self.tiles.window.corner;
-        let first = pixels.samples()[0];
-        let mut tracer = PixelTracer::new(self.scene, self.options.pixel_centers);
-        for y in 0..tile.size[1] {
-            if self.cancelled() {
-                return Ok(());
-            }
-            for x in 0..tile.size[0] {
-                let place = [tile.corner[0] + x, tile.corner[1] + y];
-                let pixel = [0, 1].map(|axis| film_corner[axis] + place[axis]);
-                match pixels.pixel_sums(x, y) {
-                    Some(mut sums) => {
-                        tracer.extend(pixel, [first + taken, first + end], &mut sums);
-                    }
-                    None => tracer.trace(pixel, &mut pixels.pixel_mut(x, y)),
-                }
-            }
-        }
-        if let Some(reason) = self.scene.texture_failure() {
-            return Err(RenderError::Texture(reason.to_owned()));
-        }
-        pixels.store_sums();
-        let enough = end == self.samples || self.is_good_enough(&pixels, end);
-        pixels.set_finished(enough);
-        let area = u64::from(tile.size[0]) * u64::from(tile.size[1]);
-        let step = area * u64::from(if enough { self.samples - taken } else { end - taken });
-        {
-            let mut film = lock(&shared.film);
-            film.insert(tile, &pixels);
-            (self.options.watch)(&film);
-        }
-        *lock(&shared.rays) += tracer.rays();
-        let done = shared.done.fetch_add(step, Ordering::Relaxed) + step;
-        let [width, height] = self.tiles.window.size.map(u64::from);
-        (self.options.progress)(done, width * height * u64::from(self.samples));
-        Ok(())
-    }
-
-    /// Whether a tile may stop at so many samples.
-    fn is_good_enough(&self, pixels: &Film, taken: u32) -> bool {
-        let asked = taken >= FIRST_QUESTION && taken.is_power_of_two();
-        match (self.options.max_error, pixels.sums()) {
-            (Some(most), Some(sums)) if asked => sums.relative_error(FLOOR) <= most,
-            _ => false,
-        }
-    }
-}
-
-/// A poisoned lock still guards a film of whole tiles.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-fn into_inner<T>(mutex: Mutex<T>) -> T {
-    mutex.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_cover_a_window_once_on_the_grid_of_the_image() {
-        for window in [
-            Tile { corner: [0, 0], size: [1, 1] },
-            Tile { corner: [0, 0], size: [40, 16] },
-            Tile { corner: [5, 30], size: [30, 3] },
-            Tile { corner: [16, 31], size: [16, 34] },
-        ] {
-            let tiles = Tiles::of(window);
-            let mut seen = vec![0; (window.size[0] * window.size[1]) as usize];
-            for tile in (0..tiles.len()).map(|index| tiles.get(index)) {
-                for axis in 0..2 {
-                    let start = tile.corner[axis] + window.corner[axis];
-                    assert!(start == window.corner[axis] || start.is_multiple_of(TILE));
-                    assert!(tile.size[axis] > 0 && start % TILE + tile.size[axis] <= TILE);
-                }
-                for y in tile.corner[1]..tile.end()[1] {
-                    for x in tile.corner[0]..tile.end()[0] {
-                        seen[(y * window.size[0] + x) as usize] += 1;
-                    }
-                }
-            }
-            assert!(seen.iter().all(|&times| times == 1), "{window:?}");
-        }
-    }
 }

@@ -64,7 +64,8 @@ pub struct RenderArgs {
     /// not depend on it.
     #[arg(long, value_name = "LEVEL", value_parser = value::simd(), help_heading = WALK)]
     pub simd: Option<SimdLevel>,
-    /// What does the work.
+    /// What traces camera rays: gpu needs Vulkan, Metal or Direct3D 12; auto takes the CPU where the GPU
+    /// cannot. All other rays are traced on the CPU.
     #[arg(long, value_enum, default_value_t = Backend::Cpu, help_heading = WALK)]
     pub backend: Backend,
     /// Threads; 0 takes one per processor. The picture does not depend on it.
@@ -163,6 +164,7 @@ pub struct PartArgs {
 pub enum Backend {
     Cpu,
     Gpu,
+    Auto,
 }
 
 pub(super) const EXAMPLES: &str = "\

@@ -1,5 +1,6 @@
 //! The command as a user meets it: files in, files and exit codes out.
 
+mod backends;
 mod bad_inputs;
 mod determinism;
 mod diff;

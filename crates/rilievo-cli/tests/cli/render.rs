@@ -191,8 +191,6 @@ fn every_exact_method_gives_the_same_picture() {
 #[test]
 fn renders_that_cannot_be_are_refused() {
     let folder = Folder::new().with_scene();
-    let run = folder.run("render scene.toml -o a.png --backend gpu").expect(1);
-    assert!(run.stderr.contains("no GPU backend"), "{}", run.stderr);
     let run = folder.run("render scene.toml -o a.png --max-memory 2M").expect(1);
     assert!(run.stderr.contains("--max-memory allows 2.0 MiB"), "{}", run.stderr);
     let run = folder.run("render nothing.toml -o a.png").expect(1);

@@ -2,10 +2,14 @@
 //
 // A driver may fuse a product with a sum, or cancel (a + b) - a: both change bits. `rounded` hides
 // a value behind an integer operation with a number that only the CPU knows to be 0; whatever is
-// shown to it is rounded as written, on every driver.
+// shown to it is rounded as written, on every driver. The number comes with the rays: drivers look into
+// uniforms, and compile what they find there.
+
+// Always 0.
+var<private> zero: u32;
 
 fn rounded(x: f32) -> f32 {
-    return bitcast<f32>(bitcast<u32>(x) ^ params.zero);
+    return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
 
 fn larger(a: f32, b: f32) -> f32 {

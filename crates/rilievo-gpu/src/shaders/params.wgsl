@@ -5,13 +5,12 @@
 alias Double = vec2<f32>;
 
 struct Params {
-    // Always 0, which no compiler knows; see `rounded`.
-    zero: u32,
+    unused: u32,
     // First ray of this dispatch, and one past the last.
     first: u32,
     end: u32,
-    // Number of faces.
-    faces: u32,
+    // Surfaces of the world.
+    surfaces: u32,
 }
 
 struct Ray {
@@ -24,9 +23,10 @@ struct Ray {
     surface: u32,
     // Bits: FRONT, and the kind of wall it leaves from bit 8 up (1 + axis * 2 + high, or 5 + axis for a seam).
     leaves: u32,
-    // The line of a seam.
+    // The line of a seam; of a mesh the triangle.
     line: i32,
-    unused: u32,
+    // Always 0, which no compiler knows; see `rounded`.
+    zero: u32,
 }
 
 struct Hit {
@@ -37,7 +37,7 @@ struct Hit {
     cell: vec2<i32>,
     // Or NOTHING.
     surface: u32,
-    // Bits: FRONT, and the kind of wall from bit 8 up, as in a ray.
+    // Bits: FRONT, and the kind of wall from bit 8 up, as in a ray. The triangle is in cell.x.
     part: u32,
     steps: u32,
     unused: u32,
@@ -76,14 +76,41 @@ struct Face {
     heights: u32,
     bounds: u32,
     levels: u32,
-    // Its index in the world.
-    surface: u32,
+    unused: u32,
+}
+
+// A surface of the world.
+struct Surface {
+    kind: u32,
+    // Of a face: its place in `faces`. Of a sphere: the place of centre and radius in `numbers`. Of
+    // triangles: the root of their tree.
+    data: u32,
+    // Place in `numbers` of the matrix, row by row, and the translation that bring the world to its own
+    // frame; NOTHING where that is the world.
+    transform: u32,
+    // ONE_SIDED.
+    flags: u32,
+}
+
+// A box, grown by what its users round, and what is in it.
+struct Node {
+    low: array<f32, 3>,
+    high: array<f32, 3>,
+    // Of an inner node the second child, the first follows it. Of a leaf of the world the surface; of a
+    // leaf of a mesh the place of the first triangle in `numbers`.
+    first: u32,
+    // Triangles or surfaces; 0 for an inner node.
+    count: u32,
 }
 
 const NOTHING: u32 = 0xffffffffu;
 
 const FRONT: u32 = 1u;
 const WALL_SHIFT: u32 = 8u;
+
+const FACE: u32 = 1u;
+const SPHERE: u32 = 2u;
+const TRIANGLES: u32 = 3u;
 
 const RISES: u32 = 1u;
 const CLOSED: u32 = 2u;
@@ -100,3 +127,6 @@ const MIRROR: u32 = 2u;
 @group(0) @binding(3) var<storage, read> faces: array<Face>;
 @group(0) @binding(4) var<storage, read> heights: array<u32>;
 @group(0) @binding(5) var<storage, read> bounds: array<u32>;
+@group(0) @binding(6) var<storage, read> surfaces: array<Surface>;
+@group(0) @binding(7) var<storage, read> nodes: array<Node>;
+@group(0) @binding(8) var<storage, read> numbers: array<u32>;

@@ -10,6 +10,7 @@ use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::sums::PixelSums;
 use crate::film::{Aov, PixelMut};
+use crate::first_hits::Traced;
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
 
@@ -30,6 +31,8 @@ pub(crate) struct PixelTracer<'a> {
     paths: Option<PathTracer<'a>>,
     sums: Vec<LayerSum>,
     packet: Packet,
+    /// What the next camera rays meet, if that was found elsewhere.
+    found: Option<std::slice::Iter<'a, Traced>>,
 }
 
 impl<'a> PixelTracer<'a> {
@@ -38,7 +41,14 @@ impl<'a> PixelTracer<'a> {
         let (rays, packet) = (RayCounts::default(), Packet::new());
         let paths = (scene.settings().integrator == Integrator::Path)
             .then(|| PathTracer::new(scene, SAMPLE * scene.camera().pixel_angle()));
-        Self { scene, pixel_centers, rays, table, paths, sums: Vec::new(), packet }
+        let (sums, found) = (Vec::new(), None);
+        Self { scene, pixel_centers, rays, table, paths, sums, packet, found }
+    }
+
+    /// A tracer whose camera rays were traced elsewhere: those of [`PixelTracer::camera_rays`], pixel by
+    /// pixel.
+    pub(crate) fn with_first_hits(self, found: &'a [Traced]) -> Self {
+        Self { found: Some(found.iter()), ..self }
     }
 
     /// Rays traced so far.
@@ -49,6 +59,17 @@ impl<'a> PixelTracer<'a> {
     /// Samples that a pixel takes in all.
     fn samples(&self) -> u64 {
         if self.pixel_centers { 1 } else { u64::from(self.scene.settings().samples) }
+    }
+
+    /// Appends the camera rays of samples of `pixel`, from the first of two absolute indices up to the
+    /// second.
+    pub(crate) fn camera_rays(&mut self, pixel: [u32; 2], range: [u32; 2], rays: &mut Vec<Ray>) {
+        self.table.start(Sampler::new(self.scene.settings().seed, pixel));
+        let [first, end] = range.map(u64::from);
+        for first in (first..end).step_by(PACKET) {
+            self.aim(pixel, [first, end]);
+            rays.extend_from_slice(&self.packet.rays);
+        }
     }
 
     /// Takes all samples of `pixel` and writes their means to `out`.
@@ -100,7 +121,17 @@ impl<'a> PixelTracer<'a> {
 
     /// Finds what the camera rays of one packet of samples meet: those of absolute index `first` and
     /// after, but not of `end` and beyond.
-    fn shoot(&mut self, pixel: [u32; 2], [first, end]: [u64; 2], steps: bool) {
+    fn shoot(&mut self, pixel: [u32; 2], range: [u64; 2], steps: bool) {
+        self.aim(pixel, range);
+        self.rays.camera += self.packet.rays.len() as u64;
+        match &mut self.found {
+            Some(found) => self.packet.take(found),
+            None => self.packet.trace(self.scene, steps),
+        }
+    }
+
+    /// Makes the camera rays of one packet.
+    fn aim(&mut self, pixel: [u32; 2], [first, end]: [u64; 2]) {
         let (count, settings) = (self.samples(), self.scene.settings());
         self.packet.rays.clear();
         self.packet.weights.clear();
@@ -123,8 +154,6 @@ impl<'a> PixelTracer<'a> {
             self.packet.weights.push(weight);
             self.packet.numbers.extend(numbers);
         }
-        self.rays.camera += self.packet.rays.len() as u64;
-        self.packet.trace(self.scene, steps);
     }
 
     /// The radiance that comes against camera ray `k` of a packet that begins with sample `first`.
@@ -202,6 +231,13 @@ impl Packet {
             numbers: Vec::with_capacity(PACKET),
             hits: [None; PACKET],
             work: [0; PACKET],
+        }
+    }
+
+    /// Takes the next answers as those of its rays.
+    fn take(&mut self, found: &mut std::slice::Iter<'_, Traced>) {
+        for (k, Traced { hit, work }) in found.take(self.rays.len()).enumerate() {
+            (self.hits[k], self.work[k]) = (*hit, *work);
         }
     }
 

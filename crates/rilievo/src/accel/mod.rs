@@ -53,7 +53,34 @@ struct Node {
     count: u32,
 }
 
+/// A node of a [`Bvh`], for backends that walk it in a way of their own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BvhNode<'a> {
+    /// Two children, the first of which is the next node.
+    Inner {
+        /// Around both, grown by [`GROWTH`].
+        bounds: Aabb,
+        /// Place of the second child.
+        second: u32,
+    },
+    /// Some items.
+    Leaf {
+        /// Around them, grown by [`GROWTH`].
+        bounds: Aabb,
+        /// Their numbers, at least one.
+        items: &'a [u32],
+    },
+}
+
 impl Bvh {
+    /// The nodes, depth first; the root comes first.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = BvhNode<'_>> {
+        self.nodes.iter().map(|&Node { bounds, first, count }| match count {
+            0 => BvhNode::Inner { bounds, second: first },
+            _ => BvhNode::Leaf { bounds, items: &self.items[first as usize..][..count as usize] },
+        })
+    }
+
     /// Number of items.
     pub fn len(&self) -> usize {
         self.items.len()

@@ -35,6 +35,17 @@ impl Mesh {
         Some(Hit { time: ray.time, ..self.complete(index, &crossing) })
     }
 
+    /// The hit of one triangle within `0 <= t <= t_max`, as [`Mesh::closest`] finds it if it is the
+    /// nearest.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn hit_on(&self, triangle: u32, ray: &Ray) -> Option<Hit> {
+        let departure = ray.from.and_then(|from| self.departure(from));
+        let test = TriangleTest::new(self, ray, departure.as_ref());
+        Some(self.complete(triangle, &test.cross(triangle, ray.t_max)?))
+    }
+
     /// Whether any triangle is met within `0 <= t <= t_max`.
     pub fn occludes(&self, ray: &Ray, probe: &mut impl Probe) -> bool {
         let departure = ray.from.and_then(|from| self.departure(from));

@@ -15,7 +15,9 @@ use glam::{DAffine3, DVec3};
 use thiserror::Error;
 
 use crate::accel::Aabb;
+use crate::hit::Hit;
 use crate::mesh::departure::Shell;
+use crate::ray::Ray;
 
 use super::Surface;
 use super::place::Place;
@@ -80,6 +82,17 @@ impl Instance {
     /// A box around the instance.
     pub fn bounds(&self) -> Aabb {
         self.place.bounds(&self.prototype.bounds())
+    }
+
+    /// A ray in the frame of the prototype; the parameter stays.
+    #[inline]
+    pub fn local_ray(&self, ray: &Ray) -> Ray {
+        self.place.local_ray(ray)
+    }
+
+    /// A hit of the prototype, in the world.
+    pub fn world_hit(&self, hit: Hit) -> Hit {
+        self.place.world_hit(hit)
     }
 }
 

@@ -1,0 +1,210 @@
+//! [`Upload`]: the surfaces of a world as the shaders read them, before they leave for the device.
+//!
+//! Triangles of quads and meshes hang below trees of their own, which instances share; the tree over the
+//! world's surfaces comes first. Boxes are rounded outward to `f32`, relative to the anchor of their frame.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rilievo::accel::{Aabb, Bvh, BvhNode};
+use rilievo::glam::{DAffine3, DMat3, DVec3};
+use rilievo::map::{Layout, Pyramid};
+use rilievo::mesh::Mesh;
+use rilievo::relief::ReliefFace;
+use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
+
+use crate::error::GpuError;
+use crate::records::{
+    self, FACE_WORDS, MapPlace, NODE_WORDS, SURFACE_WORDS, SurfaceRecord, TRIANGLE_WORDS, Words,
+};
+
+/// Levels of two trees, one below the other, that the stack of `shaders/world.wgsl` holds.
+const LARGEST_DEPTH: u32 = 126;
+
+/// Triangles in a leaf of a mesh.
+const LEAF_TRIANGLES: u32 = 4;
+
+/// The buffers of a world, in words.
+#[derive(Default)]
+pub(crate) struct Upload {
+    pub faces: Vec<u32>,
+    pub heights: Vec<u32>,
+    pub bounds: Vec<u32>,
+    pub surfaces: Vec<u32>,
+    pub nodes: Vec<u32>,
+    pub numbers: Vec<u32>,
+    /// Levels of the tree over the surfaces and of the deepest one below it.
+    levels: [u32; 2],
+    maps: HashMap<usize, MapPlace>,
+    /// What instances show, by address.
+    prototypes: HashMap<usize, SurfaceRecord>,
+}
+
+impl Upload {
+    /// The surfaces of a world, in coordinates relative to `anchor`.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] for a surface that no shader knows.
+    pub fn new(world: &World, anchor: DVec3) -> Result<Self, GpuError> {
+        let mut upload = Self::default();
+        let surfaces = world.surfaces();
+        let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
+        upload.tree(&Bvh::build(&boxes, 1), anchor, |_, items| [items[0], 1]);
+        upload.levels = [upload.levels[1], 0];
+        upload.surfaces.reserve(surfaces.len() * SURFACE_WORDS);
+        for surface in surfaces {
+            let record = match surface {
+                Surface::Instance(instance) => upload.instance(instance, anchor)?,
+                other => upload.surface(other, anchor)?,
+            };
+            record.write(&mut upload.surfaces);
+        }
+        let levels: u32 = upload.levels.iter().sum();
+        if levels > LARGEST_DEPTH {
+            return unsupported(&format!("a tree of {levels} levels"));
+        }
+        Ok(upload)
+    }
+
+    /// Whether nothing of the world can be hit.
+    pub fn is_empty(&self) -> bool {
+        self.levels[0] == 0
+    }
+
+    fn surface(&mut self, surface: &Surface, anchor: DVec3) -> Result<SurfaceRecord, GpuError> {
+        match surface {
+            Surface::Quad(quad) => Ok(self.quad(quad, anchor)),
+            Surface::Sphere(sphere) => Ok(self.sphere(sphere, anchor)),
+            Surface::Mesh(mesh) => Ok(self.mesh(mesh, anchor)),
+            Surface::Face(face) if face.options().method.is_exact() => Ok(self.face(face, anchor)),
+            Surface::Face(face) => unsupported(&format!("method {}", face.options().method)),
+            Surface::ReliefSphere(_) => unsupported("a displaced sphere"),
+            Surface::ReliefMesh(_) => unsupported("a displaced mesh"),
+            Surface::Instance(_) => unsupported("an instance of an instance"),
+            Surface::Moving(_) => unsupported("a surface that moves"),
+        }
+    }
+
+    fn instance(&mut self, instance: &Instance, anchor: DVec3) -> Result<SurfaceRecord, GpuError> {
+        let prototype = instance.prototype();
+        let address = Arc::as_ptr(prototype).addr();
+        let shown = match self.prototypes.get(&address) {
+            Some(record) => *record,
+            None => {
+                let record = self.surface(prototype, DVec3::ZERO)?;
+                self.prototypes.insert(address, record);
+                record
+            }
+        };
+        let DAffine3 { matrix3, translation } = instance.world_from_local().inverse();
+        let transform = self.numbers.len() as u32;
+        let DMat3 { x_axis, y_axis, z_axis } = matrix3.transpose();
+        [x_axis, y_axis, z_axis, matrix3 * anchor + translation]
+            .into_iter()
+            .for_each(|row| self.numbers.vector(row));
+        Ok(shown.shown_at(transform))
+    }
+
+    fn face(&mut self, face: &ReliefFace, anchor: DVec3) -> SurfaceRecord {
+        let place = self.map(face);
+        let number = (self.faces.len() / FACE_WORDS) as u32;
+        records::write_face(&mut self.faces, face, place, anchor);
+        SurfaceRecord::face(number)
+    }
+
+    /// Where the map of a face lies; each is written once.
+    fn map(&mut self, face: &ReliefFace) -> MapPlace {
+        let Self { heights, bounds, maps, .. } = self;
+        let relief = face.relief();
+        *maps.entry(Arc::as_ptr(relief).addr()).or_insert_with(|| {
+            let map = relief.heights();
+            // Hits do not depend on the layout.
+            let written = records::write_bounds(bounds, relief.pyramid()).or_else(|| {
+                records::write_bounds(bounds, &Pyramid::build_as(map, Layout::Default))
+            });
+            MapPlace {
+                heights: records::write_heights(heights, map),
+                bounds: written.unwrap_or_default(),
+            }
+        })
+    }
+
+    fn sphere(&mut self, sphere: &Sphere, anchor: DVec3) -> SurfaceRecord {
+        let place = self.numbers.len() as u32;
+        self.numbers.vector(sphere.center() - anchor);
+        self.numbers.double(sphere.radius());
+        SurfaceRecord::sphere(place)
+    }
+
+    /// A quad is two triangles; a parallelogram is one part to rays that leave it.
+    fn quad(&mut self, quad: &Quad, anchor: DVec3) -> SurfaceRecord {
+        let [c0, c1, c2, c3] = quad.corners();
+        let second = u32::from(!quad.is_parallelogram());
+        let triangles = [([c0, c1, c2], 0), ([c0, c2, c3], second)];
+        let place = self.numbers.len() as u32;
+        for (corners, index) in triangles {
+            self.triangle(corners.map(|p| p - anchor), index);
+        }
+        let tree = Bvh::build(&[quad.bounds()], 1);
+        let root = self.tree(&tree, anchor, |_, _| [place, 2]);
+        SurfaceRecord::triangles(root, quad.one_sided())
+    }
+
+    fn mesh(&mut self, mesh: &Mesh, anchor: DVec3) -> SurfaceRecord {
+        let count = mesh.data().triangles.len() as u32;
+        let boxes: Vec<Aabb> = (0..count).map(|index| Aabb::around(mesh.corners(index))).collect();
+        let tree = Bvh::build(&boxes, LEAF_TRIANGLES);
+        let root = self.tree(&tree, anchor, |upload, items| {
+            let place = upload.numbers.len() as u32;
+            for &index in items {
+                upload.triangle(mesh.corners(index).map(|p| p - anchor), index);
+            }
+            [place, items.len() as u32]
+        });
+        SurfaceRecord::triangles(root, false)
+    }
+
+    fn triangle(&mut self, corners: [DVec3; 3], index: u32) {
+        let before = self.numbers.len();
+        corners.into_iter().for_each(|corner| self.numbers.vector(corner));
+        self.numbers.extend([index, 0]);
+        debug_assert_eq!(self.numbers.len() - before, TRIANGLE_WORDS);
+    }
+
+    /// Appends a tree; returns its root. `leaf` writes the items of a leaf and says where and how many they are.
+    fn tree(
+        &mut self,
+        tree: &Bvh,
+        anchor: DVec3,
+        mut leaf: impl FnMut(&mut Self, &[u32]) -> [u32; 2],
+    ) -> u32 {
+        let root = (self.nodes.len() / NODE_WORDS) as u32;
+        self.levels[1] = self.levels[1].max(levels(tree));
+        for node in tree.nodes() {
+            let (bounds, content) = match node {
+                BvhNode::Inner { bounds, second } => (bounds, [root + second, 0]),
+                BvhNode::Leaf { bounds, items } => (bounds, leaf(self, items)),
+            };
+            let corners = (bounds.min - anchor, bounds.max - anchor);
+            records::write_node(&mut self.nodes, corners, content);
+        }
+        root
+    }
+}
+
+/// Levels of a tree; 0 if it is empty.
+fn levels(tree: &Bvh) -> u32 {
+    let mut of = vec![1; tree.nodes().len()];
+    for (at, node) in tree.nodes().enumerate() {
+        if let BvhNode::Inner { second, .. } = node {
+            for child in [at + 1, second as usize] {
+                of[child] = of[at] + 1;
+            }
+        }
+    }
+    of.into_iter().max().unwrap_or(0)
+}
+
+fn unsupported<T>(what: &str) -> Result<T, GpuError> {
+    Err(GpuError::Unsupported { what: what.to_owned() })
+}

@@ -1,0 +1,125 @@
+//! Hits of whole worlds: quads, balls, meshes, reliefs and instances of all, under one tree, beside those of the
+//! CPU. Without an adapter nothing is tried, and stderr says so.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use rilievo::glam::{DAffine3, DQuat, DVec3};
+use rilievo::relief::Method;
+use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
+use rilievo::{Hit, Ray};
+use rilievo_gpu::{Gpu, GpuError, GpuWorld};
+use rilievo_tests::kernel;
+use rilievo_tests::meshes::Base;
+use rilievo_tests::nudge::nudged;
+use rilievo_tests::random::Random;
+use rilievo_tests::scenes;
+
+/// Largest distance between two answers that count as one, for worlds of size 10.
+const TOLERANCE: f64 = 1e-7;
+
+fn gpu() -> Option<Gpu> {
+    Gpu::open()
+        .map_err(|error| writeln!(std::io::stderr(), "SKIPPED, no world was traced: {error}"))
+        .ok()
+}
+
+fn quad(random: &mut Random, shear: f64, one_sided: bool) -> Surface {
+    let [corner, u, v] = [3.0, 1.5, 1.5].map(|size| size * random.direction());
+    let corners = [corner, corner + u, corner + u + (1.0 + shear) * v, corner + v];
+    Quad::new(corners, one_sided).unwrap().into()
+}
+
+/// Everything the shaders know, at random places, and instances of it.
+fn world(random: &mut Random) -> World {
+    let relief = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
+    let mut all = vec![
+        quad(random, 0.0, false),
+        quad(random, 0.0, true),
+        quad(random, 0.7, false),
+        Sphere::new(2.0 * random.direction(), 0.8).unwrap().into(),
+        Base::Torus(24, 12).mesh().into(),
+        relief.into(),
+    ];
+    for k in 0..12 {
+        let turn = DQuat::from_axis_angle(random.direction(), random.range(0.0, 6.0));
+        let scale = DVec3::new(1.0, random.range(0.5, 1.5), random.sign());
+        let place =
+            DAffine3::from_scale_rotation_translation(scale, turn, 4.0 * random.direction());
+        let prototype = Arc::new(all[k % 6].clone());
+        all.push(Instance::new(prototype, place).unwrap().into());
+    }
+    World::new(all)
+}
+
+fn same(cpu: &Option<Hit>, gpu: &Option<Hit>) -> bool {
+    match (cpu, gpu) {
+        (None, None) => true,
+        (Some(a), Some(b)) => {
+            a.position.distance(b.position) <= TOLERANCE
+                && (a.surface, a.front) == (b.surface, b.front)
+                && a.geometric_normal.dot(b.geometric_normal) > 0.999
+        }
+        _ => false,
+    }
+}
+
+/// Whether the CPU gives the answer to some ray a nudge away.
+fn excused(world: &World, ray: &Ray, answer: &Option<Hit>) -> bool {
+    let towards = answer.map(|hit| hit.position - ray.origin);
+    nudged(ray.direction, towards, DVec3::Z)
+        .any(|direction| same(&world.closest(&Ray { direction, ..*ray }, &mut ()), answer))
+}
+
+#[test]
+fn hits_in_whole_worlds_are_those_of_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let (mut hits, mut nudges, mut count) = (0, 0, 0);
+    for seed in 0..4 {
+        let mut random = Random::new(&[7, seed]);
+        let world = world(&mut random);
+        let on_gpu = GpuWorld::new(&gpu, &world).unwrap();
+        let mut rays: Vec<Ray> = (0..1500)
+            .map(|_| {
+                let [from, to] =
+                    [random.range(0.0, 9.0), 3.0].map(|size| size * random.direction());
+                Ray { t_max: random.range(0.3, 3.0), ..Ray::new(from, to - from) }
+            })
+            .collect();
+        let first: Vec<Hit> = rays.iter().filter_map(|ray| world.closest(ray, &mut ())).collect();
+        hits += first.len();
+        rays.extend(first.iter().map(|hit| hit.spawn(random.direction())));
+        count += rays.len();
+        for (ray, traced) in rays.iter().zip(on_gpu.closest(&rays).unwrap()) {
+            let cpu = world.closest(ray, &mut ());
+            if !same(&cpu, &traced.hit) {
+                assert!(excused(&world, ray, &traced.hit), "{ray:?}: {cpu:?} {:?}", traced.hit);
+                nudges += 1;
+            }
+        }
+    }
+    let _ = writeln!(std::io::stderr(), "{count} rays, {hits} spawned, {nudges} excused");
+    assert!(hits > 1000 && nudges * 100 < count, "{hits} hits, {nudges} excused");
+}
+
+#[test]
+fn an_empty_world_is_met_nowhere() {
+    let Some(gpu) = gpu() else { return };
+    let world = World::new(Vec::new());
+    let on_gpu = GpuWorld::new(&gpu, &world).unwrap();
+    let found = on_gpu.closest(&[Ray::new(DVec3::ZERO, DVec3::X)]).unwrap();
+    assert!(found.len() == 1 && found[0].hit.is_none());
+    assert!(on_gpu.closest(&[]).unwrap().is_empty());
+}
+
+#[test]
+fn what_the_shaders_do_not_know_is_named() {
+    let Some(gpu) = gpu() else { return };
+    let face = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
+    let instance = Instance::new(Arc::new(face.into()), DAffine3::IDENTITY).unwrap();
+    assert!(GpuWorld::new(&gpu, &World::new(vec![instance.into()])).is_ok());
+    let marched = kernel::face(&scenes::named("fbm 64"), "march".parse().unwrap());
+    let error = GpuWorld::new(&gpu, &World::new(vec![marched.into()])).err().unwrap();
+    assert!(matches!(&error, GpuError::Unsupported { .. }), "{error}");
+    assert!(error.to_string().contains("march") && error.to_string().contains("CPU"), "{error}");
+}
