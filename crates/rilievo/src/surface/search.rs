@@ -94,7 +94,7 @@ impl WideWorld {
         let left = self.departure(surfaces, ray);
         let mut nearest =
             Nearest { world: self, surfaces, left, sheared: None, ray: *ray, best: None };
-        simd::run(self.level, Closest { tree: &self.tree, ray, nearest: &mut nearest });
+        simd::run(self.level, Walk { tree: &self.tree, ray, visitor: &mut nearest });
         Some(nearest.best)
     }
 
@@ -111,7 +111,7 @@ impl WideWorld {
         }
         let left = self.departure(surfaces, ray);
         let mut any = Any { world: self, surfaces, left, sheared: None, ray, exempt, found: false };
-        simd::run(self.level, Occluded { tree: &self.tree, ray, any: &mut any });
+        simd::run(self.level, Walk { tree: &self.tree, ray, visitor: &mut any });
         Some(any.found)
     }
 }
@@ -122,19 +122,19 @@ fn own(index: u32, ray: &Ray) -> Option<Part> {
     ray.from.filter(|from| from.surface == index).map(|from| from.part)
 }
 
-/// One ray to its nearest meeting.
-struct Closest<'a, 'b> {
-    tree: &'b WideBvh,
-    ray: &'b Ray,
-    nearest: &'b mut Nearest<'a>,
+/// One ray through the tree.
+struct Walk<'a, V> {
+    tree: &'a WideBvh,
+    ray: &'a Ray,
+    visitor: &'a mut V,
 }
 
-impl Kernel for Closest<'_, '_> {
+impl<V: Visit<()>> Kernel for Walk<'_, V> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.tree.walk::<L, ()>(self.ray, self.nearest, &mut ());
+        self.tree.walk::<L, ()>(self.ray, self.visitor, &mut ());
     }
 }
 
@@ -176,22 +176,6 @@ impl Visit<()> for Nearest<'_> {
     fn visit<L: Lanes>(&mut self, index: u32, (): &mut ()) -> Option<f64> {
         self.ask(index);
         Some(self.ray.t_max)
-    }
-}
-
-/// One ray to any meeting.
-struct Occluded<'a, 'b> {
-    tree: &'b WideBvh,
-    ray: &'b Ray,
-    any: &'b mut Any<'a>,
-}
-
-impl Kernel for Occluded<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.tree.walk::<L, ()>(self.ray, self.any, &mut ());
     }
 }
 
