@@ -120,8 +120,11 @@ impl WideBvh {
             start[axis] = ray.origin[axis] as f32;
             inverse[axis] = 1.0 / d as f32;
         }
-        let rounded = |t: f64| ((t * largest) as f32).next_up();
-        let mut limit = rounded(ray.t_max);
+        // Above what rounding may take away.
+        let rounded =
+            |t: f64| (t * largest) as f32 * (1.0 + 2.0 * f32::EPSILON) + f32::MIN_POSITIVE;
+        let mut t_max = ray.t_max;
+        let mut limit = rounded(t_max);
         let line = Line { start, inverse };
         if let [only] = self.nodes.as_slice() {
             probe.node();
@@ -144,7 +147,8 @@ impl WideBvh {
         loop {
             if index & ITEM != 0 {
                 match visitor.visit::<L>(index & !ITEM, probe) {
-                    Some(t_max) => limit = rounded(t_max),
+                    Some(lower) if lower < t_max => (t_max, limit) = (lower, rounded(lower)),
+                    Some(_) => {}
                     None => return,
                 }
             } else {

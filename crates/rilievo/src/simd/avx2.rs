@@ -13,6 +13,7 @@ use std::arch::x86_64::{
     _mm256_shuffle_epi8, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
+use super::avx_quad::AvxQuad;
 use super::orders::{BYTES, WIDEN};
 use super::{Kernel, Lanes, Mirror, WIDTH};
 
@@ -46,6 +47,7 @@ macro_rules! halves {
 // arrays of the full width.
 impl Lanes for Avx2 {
     type Mask = [__m256; 2];
+    type Quad = AvxQuad;
 
     #[inline(always)]
     fn call<K: Kernel>(kernel: K) -> K::Output {

@@ -12,6 +12,7 @@ use std::arch::x86_64::{
     _mm512_storeu_ps, _mm512_sub_ps, _mm512_ternarylogic_epi32,
 };
 
+use super::avx_quad::AvxQuad;
 use super::avx2::{greatest, least};
 use super::orders::{BYTES, WIDEN, WORDS};
 use super::{Kernel, Lanes, Mirror, WIDTH};
@@ -32,6 +33,7 @@ pub(super) fn enter<K: Kernel>(kernel: K) -> K::Output {
 // arrays of the full width.
 impl Lanes for Avx512 {
     type Mask = __mmask16;
+    type Quad = AvxQuad;
 
     #[inline(always)]
     fn call<K: Kernel>(kernel: K) -> K::Output {

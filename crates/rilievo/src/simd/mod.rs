@@ -1,4 +1,4 @@
-//! Sixteen lanes of `f32` at three levels: AVX-512, AVX2 and portable.
+//! Sixteen lanes of `f32`, and four of `f64`, at three levels: AVX-512, AVX2 and portable.
 //!
 //! A kernel is written once against [`Lanes`] and compiled for each level; [`run`] enters the copy
 //! of a [`SimdLevel`] at the outermost call, so that nothing inside asks again. No operation fuses
@@ -18,12 +18,16 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx_quad;
 mod level;
 #[cfg(target_arch = "x86_64")]
 mod orders;
 mod portable;
+mod quad;
 
 pub use level::{SimdLevel, UnknownSimdLevel};
+pub(crate) use quad::{PortableQuad, Quad};
 
 /// Number of lanes.
 pub(crate) const WIDTH: usize = 16;
@@ -67,6 +71,8 @@ impl Mirror {
 pub(crate) trait Lanes: Copy {
     /// Sixteen truth values.
     type Mask: Copy;
+    /// Four `f64` at this level.
+    type Quad: Quad;
 
     /// Runs a kernel at this level as a call of its own: what several kernels do is compiled once.
     fn call<K: Kernel>(kernel: K) -> K::Output;

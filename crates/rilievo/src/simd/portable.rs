@@ -1,7 +1,7 @@
 //! Sixteen lanes in plain arrays, four groups of four: what any compiler turns into its own
 //! vectors.
 
-use super::{Kernel, Lanes, Mirror, WIDTH};
+use super::{Kernel, Lanes, Mirror, PortableQuad, WIDTH};
 
 /// Lanes `4 y + x` as `[y][x]`.
 #[derive(Clone, Copy)]
@@ -36,6 +36,7 @@ fn full(set: bool) -> u32 {
 
 impl Lanes for Portable {
     type Mask = Mask;
+    type Quad = PortableQuad;
 
     #[inline(never)]
     fn call<K: Kernel>(kernel: K) -> K::Output {

@@ -1,9 +1,46 @@
 //! Every level against plain arithmetic, lane by lane and bit by bit.
 
-use super::{Kernel, Lanes, Mirror, SimdLevel, WIDTH, run};
+use super::{Kernel, Lanes, Mirror, Quad, SimdLevel, WIDTH, run};
 
 /// Runs the same checks at whatever level it is entered.
 struct Checks;
+
+/// The same for quads.
+struct QuadChecks;
+
+impl Kernel for QuadChecks {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        const A: [[f64; 4]; 2] = [[0.0, -0.0, 1.0, -1.5], [3.5, 1e300, -1e-310, -7.0]];
+        const B: [[f64; 4]; 2] = [[-0.0, 0.0, -1.0, 2.25], [-3.5, 1e-300, 1e300, -7.0]];
+        for (from, with) in A.into_iter().zip(B) {
+            let each = |f: fn(f64, f64) -> f64| {
+                let mut out = [0; 4];
+                for k in 0..4 {
+                    out[k] = f(from[k], with[k]).to_bits();
+                }
+                out
+            };
+            let (a, b) = (L::Quad::of(from), L::Quad::of(with));
+            let bits = |q: L::Quad| q.array().map(f64::to_bits);
+            assert_eq!(bits(a.plus(b)), each(|a, b| a + b));
+            assert_eq!(bits(a.minus(b)), each(|a, b| a - b));
+            assert_eq!(bits(a.times(b)), each(|a, b| a * b));
+            assert_eq!(bits(a.over(L::Quad::splat(3.0))), each(|a, _| a / 3.0));
+            assert_eq!(bits(a.scaled(0.1)), each(|a, _| a * 0.1));
+            assert_eq!(bits(a.size()), each(|a, _| a.abs()));
+            assert_eq!(bits(a.larger(b)), each(|a, b| if a > b { a } else { b }));
+            assert_eq!(bits(a.smaller(b)), each(|a, b| if a < b { a } else { b }));
+            let turned = each(|a, b| if b.is_sign_negative() { -a } else { a });
+            assert_eq!(bits(a.turned_by(b)), turned);
+            assert_eq!(a.rounded().map(f32::to_bits), from.map(|x| (x as f32).to_bits()));
+        }
+        let places = L::Quad::of([-1.0, -0.25, 2.75, 2_147_483_646.5]);
+        assert_eq!(places.floors(), [-1, -1, 2, 2_147_483_646]);
+    }
+}
 
 const A: [f32; WIDTH] =
     [0.0, -0.0, 1.0, -1.0, 3.5, 1e30, -1e30, 1e-40, 7.0, 65535.0, 0.1, -0.1, 2.0, 4.0, 8.0, 16.0];
@@ -82,6 +119,7 @@ impl Kernel for Checks {
 fn every_level_does_plain_arithmetic() {
     for &level in SimdLevel::available() {
         run(level, Checks);
+        run(level, QuadChecks);
     }
 }
 

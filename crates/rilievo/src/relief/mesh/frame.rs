@@ -236,11 +236,10 @@ impl Bent {
     }
 }
 
-/// The part of `[from, to]` in which `start + t speed >= least`.
+/// The part of `[from, to]` in which something that is `short` at 0 of what it must be at least, and grows
+/// by `speed`, is enough; `t` is `short / speed`.
 #[inline(always)]
-pub(super) fn keep([from, to]: [f64; 2], start: f64, speed: f64, least: f64) -> [f64; 2] {
-    let short = least - start;
-    let t = short / speed;
+pub(super) fn keep([from, to]: [f64; 2], t: f64, speed: f64, short: f64) -> [f64; 2] {
     let (later, sooner) = ((speed > 0.0) & (t > from), (speed < 0.0) & (t < to));
     let never = (speed == 0.0) & (short > 0.0);
     let to = if sooner { t } else { to };

@@ -31,6 +31,8 @@
 
 use glam::DVec2;
 
+use crate::simd::Quad;
+
 use super::line::MeshRay;
 use super::patch::{Local, Patch};
 
@@ -118,19 +120,22 @@ impl Search<'_> {
                 return None;
             }
             let Local { value, along: [fx, fy], bend } = local;
-            let turn = fx.x * fy.y - fx.y * fy.x;
+            let [fx_x, fx_y, ..] = fx.array();
+            let [fy_x, fy_y, ..] = fy.array();
+            let turn = fx_x * fy_y - fx_y * fy_x;
             let exhausted = part.depth >= DEPTH || self.evaluations >= EVALUATIONS;
             let inverse = 1.0 / turn;
             if inverse.is_finite() {
                 let y = [
-                    DVec2::new(fy.y * inverse, -fy.x * inverse),
-                    DVec2::new(-fx.y * inverse, fx.x * inverse),
+                    DVec2::new(fy_y * inverse, -fy_x * inverse),
+                    DVec2::new(-fx_y * inverse, fx_x * inverse),
                 ];
-                let (f, w) = (value.truncate(), bend.truncate() + delta);
+                let ([f_x, f_y, ..], [w_x, w_y, ..]) = (value.array(), bend.array());
+                let (f, w) = (DVec2::new(f_x, f_y), DVec2::new(w_x, w_y) + delta);
                 let spread = |row: DVec2| {
                     let row = row.abs();
-                    let unit = row.x * (fx.x.abs() * half.x + fy.x.abs() * half.y)
-                        + row.y * (fx.y.abs() * half.x + fy.y.abs() * half.y);
+                    let unit = row.x * (fx_x.abs() * half.x + fy_x.abs() * half.y)
+                        + row.y * (fx_y.abs() * half.x + fy_y.abs() * half.y);
                     row.dot(w) + 8.0 * f64::EPSILON * (unit + 1.0)
                 };
                 let root = middle - DVec2::new(y[0].dot(f), y[1].dot(f));
@@ -157,7 +162,7 @@ impl Search<'_> {
                 let (low, high) = (part.low, part.high);
                 break (0.5 * (low + high), 0.5 * (high - low));
             }
-            return Some(self.halves(part, &local));
+            return Some(self.halves(part, [fx.array(), fy.array()]));
         };
         self.take(patch, root, error);
         None
@@ -165,15 +170,18 @@ impl Search<'_> {
 
     /// Whether nothing in a part is wanted.
     #[inline(always)]
-    fn is_hopeless(&self, local: &Local, half: DVec2, delta: f64) -> bool {
+    fn is_hopeless(&self, local: &Local<impl Quad>, half: DVec2, delta: f64) -> bool {
         let Local { value, along: [fx, fy], bend } = local;
-        let room = fx.abs() * half.x + fy.abs() * half.y + *bend + delta;
-        if value.x.abs() > room.x || value.y.abs() > room.y {
+        let room = fx.size().scaled(half.x).plus(fy.size().scaled(half.y)).plus(*bend);
+        let ([x, y, z, _], [room_x, room_y, room_z, _]) = (value.array(), room.array());
+        if x.abs() > room_x + delta || y.abs() > room_y + delta {
             return true;
         }
-        let ends = [self.ray.t(value.z - room.z), self.ray.t(value.z + room.z)];
-        let (near, far) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-        far < 0.0 || near > self.best.map_or(self.wanted.t_max, |best| best.t)
+        // `delta` is many times what these parameters are rounded by.
+        let room_z = room_z + delta;
+        let ends = [self.ray.t_about(z - room_z), self.ray.t_about(z + room_z)];
+        let limit = self.best.map_or(self.wanted.t_max, |best| best.t);
+        (ends[0] < 0.0 && ends[1] < 0.0) || (ends[0] > limit && ends[1] > limit)
     }
 
     /// Takes an enclosed root if it is wanted.
@@ -183,8 +191,10 @@ impl Search<'_> {
             return;
         }
         let Local { value, along: [fx, fy], .. } = patch.local(at, DVec2::ZERO);
-        let t = self.ray.t(value.z);
-        let turn = fx.x * fy.y - fx.y * fy.x;
+        let ([_, _, depth, _], [fx_x, fx_y, ..], [fy_x, fy_y, ..]) =
+            (value.array(), fx.array(), fy.array());
+        let t = self.ray.t(depth);
+        let turn = fx_x * fy_y - fx_y * fy_x;
         let limit = self.best.map_or(self.wanted.t_max, |best| best.t);
         let nearer = self.best.is_none() && t <= limit || t < limit;
         if t >= 0.0 && nearer && self.wanted.turn * turn >= 0.0 {
@@ -193,14 +203,14 @@ impl Search<'_> {
     }
 
     /// A part cut across the side along which the patch moves more, the half the ray meets first in
-    /// front.
+    /// front. `along` is the patch's.
     #[cold]
     #[inline(never)]
-    fn halves(&self, part: Part, local: &Local) -> [Part; 2] {
+    fn halves(&self, part: Part, along: [[f64; 4]; 2]) -> [Part; 2] {
         let size = part.high - part.low;
         let moves = |k: usize| {
-            let f = local.along[k];
-            f.x.abs().max(f.y.abs()) * size[k]
+            let [x, y, ..] = along[k];
+            x.abs().max(y.abs()) * size[k]
         };
         let moves = [moves(0), moves(1)];
         // Where the ray sees neither side move, the longer one.
@@ -214,6 +224,6 @@ impl Search<'_> {
         high.low[side] = middle;
         low.depth += 1;
         high.depth += 1;
-        if self.ray.t(local.along[side].z) < 0.0 { [high, low] } else { [low, high] }
+        if self.ray.t(along[side][2]) < 0.0 { [high, low] } else { [low, high] }
     }
 }

@@ -28,7 +28,8 @@ impl Candidate {
 /// The nearest meeting, and how near others have to be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
-    t_max: f64,
+    /// Parameter of what was found, or the largest of interest.
+    limit: f64,
     any: bool,
     pub found: Option<Candidate>,
 }
@@ -36,16 +37,13 @@ pub(super) struct Nearest {
 impl Nearest {
     /// `any` ends the search with the first meeting.
     pub fn new(t_max: f64, any: bool) -> Self {
-        Self { t_max, any, found: None }
+        Self { limit: t_max, any, found: None }
     }
 
     /// Farther meetings do not count.
     #[inline(always)]
     pub fn limit(&self) -> f64 {
-        match &self.found {
-            Some(found) => found.t,
-            None => self.t_max,
-        }
+        self.limit
     }
 
     /// Whether nothing more is asked for.
@@ -59,9 +57,10 @@ impl Nearest {
     pub fn offer(&mut self, candidate: Candidate) -> bool {
         let first = match &self.found {
             Some(best) => (candidate.t, candidate.key()) < (best.t, best.key()),
-            None => candidate.t <= self.t_max,
+            None => candidate.t <= self.limit,
         };
         if first {
+            self.limit = candidate.t;
             self.found = Some(candidate);
         }
         self.is_over()

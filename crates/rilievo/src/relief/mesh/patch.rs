@@ -9,24 +9,29 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::simd::Quad;
+
+use super::footprint::Area;
 use super::line::MeshRay;
 use super::prism::Prism;
 use super::vertices::Vertex;
 
-/// A patch and its derivatives in the middle of a box of parameters.
+/// A patch and its derivatives in the middle of a box of parameters: vectors and a fourth number
+/// without meaning.
 #[derive(Clone, Copy)]
-pub(super) struct Local {
-    pub value: DVec3,
-    pub along: [DVec3; 2],
+pub(super) struct Local<Q> {
+    pub value: Q,
+    pub along: [Q; 2],
     /// Bound on the distance between patch and tangent plane over the box, by Taylor's theorem.
-    pub bend: DVec3,
+    pub bend: Q,
 }
 
 /// A piece of surface with two parameters.
 pub(super) trait Patch {
+    type Quad: Quad;
     /// Middle and half sizes of the box in which all of the patch lies.
     fn whole(&self) -> [DVec2; 2];
-    fn local(&self, middle: DVec2, half: DVec2) -> Local;
+    fn local(&self, middle: DVec2, half: DVec2) -> Local<Self::Quad>;
     /// Whether a point known to within `error` may belong to the closed patch.
     fn holds(&self, at: DVec2, error: DVec2) -> bool;
     /// Bound on the rounding of a value.
@@ -59,17 +64,19 @@ impl Heights {
 
 /// The vertices of a prism as a ray sees them.
 #[derive(Clone, Copy)]
-pub(super) struct Seen {
-    base: DVec3,
-    rise: DVec3,
+pub(super) struct Seen<Q> {
+    base: Q,
+    rise: Q,
     /// To the second and third corner.
-    base_edges: [DVec3; 2],
-    rise_edges: [DVec3; 2],
+    base_edges: [Q; 2],
+    rise_edges: [Q; 2],
+    /// The box of the footprint.
+    area: Area,
     /// Bound on what `f` is off by, heights up to `half_range` from the level.
     rounding: f64,
 }
 
-impl Seen {
+impl<Q: Quad> Seen<Q> {
     #[inline(always)]
     pub fn new(ray: &MeshRay, prism: &Prism, vertices: &[Vertex], half_range: f64) -> Self {
         let corner = |k: usize| vertices[prism.corners[k] as usize];
@@ -82,17 +89,24 @@ impl Seen {
             |a: DVec3, b: DVec3, c: DVec3| a.abs().max(b.abs()).max(c.abs()).max_element();
         let size = largest(a, b, c) + half_range * largest(n, o, p);
         Self {
-            base: a,
-            rise: n,
-            base_edges: [b - a, c - a],
-            rise_edges: [o - n, p - n],
+            base: quad(a),
+            rise: quad(n),
+            base_edges: [quad(b - a), quad(c - a)],
+            rise_edges: [quad(o - n), quad(p - n)],
+            area: prism.area(),
             rounding: 32.0 * f64::EPSILON * prism.condition() * size,
         }
     }
 }
 
+/// A vector, and 0.
+#[inline(always)]
+fn quad<Q: Quad>(v: DVec3) -> Q {
+    Q::of([v.x, v.y, v.z, 0.0])
+}
+
 /// A cell over a triangle whose uv span an area; parameters are cell coordinates.
-pub(super) struct CellPatch<'a> {
+pub(super) struct CellPatch<'a, Q> {
     prism: &'a Prism,
     heights: Heights,
     /// Lattice coordinates of the cell's corner, from the triangle's first corner.
@@ -100,31 +114,29 @@ pub(super) struct CellPatch<'a> {
     /// The part of the cell in the box of the triangle.
     low: DVec2,
     high: DVec2,
-    base: DVec3,
-    rise: DVec3,
-    base_along: [DVec3; 2],
-    rise_along: [DVec3; 2],
+    base: Q,
+    rise: Q,
+    base_along: [Q; 2],
+    rise_along: [Q; 2],
     rounding: f64,
 }
 
 /// Boxes are this much larger than what they hold, in cells: rounding of their own arithmetic.
 const SPARE: f64 = 1.0 / (1u64 << 40) as f64;
 
-impl<'a> CellPatch<'a> {
+impl<'a, Q: Quad> CellPatch<'a, Q> {
     #[inline(always)]
-    pub fn new(seen: &Seen, prism: &'a Prism, cell: [i32; 2], heights: Heights) -> Self {
+    pub fn new(seen: &Seen<Q>, prism: &'a Prism, cell: [i32; 2], heights: Heights) -> Self {
         let [g, h] = prism.weights;
-        let along = |[e, f]: [DVec3; 2]| [g[0] * e + h[0] * f, g[1] * e + h[1] * f];
         let corner = DVec2::new(
             f64::from(cell[0]) - prism.lattice[0][0],
             f64::from(cell[1]) - prism.lattice[0][1],
         );
         let [mut low, mut high] = [DVec2::ZERO, DVec2::ONE];
         for k in 0..2 {
-            let [a, b, c] = prism.lattice;
             let first = f64::from(cell[k]);
-            low[k] = (a[k].min(b[k]).min(c[k]) - first).clamp(0.0, 1.0);
-            high[k] = (a[k].max(b[k]).max(c[k]) - first).clamp(0.0, 1.0);
+            low[k] = (seen.area.low[k] - first).clamp(0.0, 1.0);
+            high[k] = (seen.area.high[k] - first).clamp(0.0, 1.0);
         }
         Self {
             prism,
@@ -134,21 +146,29 @@ impl<'a> CellPatch<'a> {
             high: high + SPARE,
             base: seen.base,
             rise: seen.rise,
-            base_along: along(seen.base_edges),
-            rise_along: along(seen.rise_edges),
+            base_along: along([g, h], seen.base_edges),
+            rise_along: along([g, h], seen.rise_edges),
             rounding: seen.rounding,
         }
     }
 }
 
-impl Patch for CellPatch<'_> {
+/// What grows by two vectors along the second and third weight, along x and y.
+#[inline(always)]
+fn along<Q: Quad>([g, h]: [[f64; 2]; 2], [e, f]: [Q; 2]) -> [Q; 2] {
+    [e.scaled(g[0]).plus(f.scaled(h[0])), e.scaled(g[1]).plus(f.scaled(h[1]))]
+}
+
+impl<Q: Quad> Patch for CellPatch<'_, Q> {
+    type Quad = Q;
+
     #[inline(always)]
     fn whole(&self) -> [DVec2; 2] {
         [0.5 * (self.low + self.high), 0.5 * (self.high - self.low)]
     }
 
     #[inline(always)]
-    fn local(&self, middle: DVec2, half: DVec2) -> Local {
+    fn local(&self, middle: DVec2, half: DVec2) -> Local<Q> {
         let (x, y) = (middle.x, middle.y);
         let (u, v) = (self.corner.x + x, self.corner.y + y);
         let Heights { b, c, d, .. } = self.heights;
@@ -156,17 +176,22 @@ impl Patch for CellPatch<'_> {
         let (slope_x, slope_y) = (b + d * y, c + d * x);
         let [px, py] = self.base_along;
         let [nx, ny] = self.rise_along;
-        let rise = self.rise + u * nx + v * ny;
-        let value = self.base + u * px + v * py + height * rise;
-        let along = [px + height * nx + slope_x * rise, py + height * ny + slope_y * rise];
+        let rise = self.rise.plus(nx.scaled(u)).plus(ny.scaled(v));
+        let value = self.base.plus(px.scaled(u)).plus(py.scaled(v)).plus(rise.scaled(height));
+        let along = [
+            px.plus(nx.scaled(height)).plus(rise.scaled(slope_x)),
+            py.plus(ny.scaled(height)).plus(rise.scaled(slope_y)),
+        ];
         // Second derivatives: 2 h_x N_x, h_xy N + h_x N_y + h_y N_x, 2 h_y N_y.
         let steep_x = slope_x.abs() + d.abs() * half.y;
         let steep_y = slope_y.abs() + d.abs() * half.x;
-        let (nx, ny) = (nx.abs(), ny.abs());
-        let rise = rise.abs() + half.x * nx + half.y * ny;
-        let bend = steep_x * half.x * half.x * nx
-            + half.x * half.y * (d.abs() * rise + steep_x * ny + steep_y * nx)
-            + steep_y * half.y * half.y * ny;
+        let (nx, ny) = (nx.size(), ny.size());
+        let rise = rise.size().plus(nx.scaled(half.x)).plus(ny.scaled(half.y));
+        let mixed = rise.scaled(d.abs()).plus(ny.scaled(steep_x)).plus(nx.scaled(steep_y));
+        let bend = nx
+            .scaled(steep_x * half.x * half.x)
+            .plus(mixed.scaled(half.x * half.y))
+            .plus(ny.scaled(steep_y * half.y * half.y));
         Local { value, along, bend }
     }
 
@@ -194,28 +219,30 @@ impl Patch for CellPatch<'_> {
 }
 
 /// A cell over a triangle whose uv span no area; parameters are weights.
-pub(super) struct ThreadPatch<'a> {
-    seen: &'a Seen,
+pub(super) struct ThreadPatch<'a, Q> {
+    seen: &'a Seen<Q>,
     heights: Heights,
     /// Cell coordinates of the first corner, and to the second and third.
     corner: DVec2,
     edges: [DVec2; 2],
 }
 
-impl<'a> ThreadPatch<'a> {
-    pub fn new(seen: &'a Seen, prism: &Prism, cell: [i32; 2], heights: Heights) -> Self {
+impl<'a, Q: Quad> ThreadPatch<'a, Q> {
+    pub fn new(seen: &'a Seen<Q>, prism: &Prism, cell: [i32; 2], heights: Heights) -> Self {
         let [a, b, c] = prism.lattice.map(DVec2::from_array);
         let cell = DVec2::new(f64::from(cell[0]), f64::from(cell[1]));
         Self { seen, heights, corner: a - cell, edges: [b - a, c - a] }
     }
 }
 
-impl Patch for ThreadPatch<'_> {
+impl<Q: Quad> Patch for ThreadPatch<'_, Q> {
+    type Quad = Q;
+
     fn whole(&self) -> [DVec2; 2] {
         [DVec2::splat(0.5), DVec2::splat(0.5 + SPARE)]
     }
 
-    fn local(&self, middle: DVec2, half: DVec2) -> Local {
+    fn local(&self, middle: DVec2, half: DVec2) -> Local<Q> {
         let (u, v) = (middle.x, middle.y);
         let [e, f] = self.edges;
         let at = self.corner + u * e + v * f;
@@ -227,16 +254,24 @@ impl Patch for ThreadPatch<'_> {
             (2.0 * d * e.x * e.y, d * (e.x * f.y + e.y * f.x), 2.0 * d * f.x * f.y);
         let [pu, pv] = self.seen.base_edges;
         let [nu, nv] = self.seen.rise_edges;
-        let rise = self.seen.rise + u * nu + v * nv;
-        let value = self.seen.base + u * pu + v * pv + height * rise;
-        let along = [pu + height * nu + slope_u * rise, pv + height * nv + slope_v * rise];
+        let rise = self.seen.rise.plus(nu.scaled(u)).plus(nv.scaled(v));
+        let base = self.seen.base.plus(pu.scaled(u)).plus(pv.scaled(v));
+        let value = base.plus(rise.scaled(height));
+        let along = [
+            pu.plus(nu.scaled(height)).plus(rise.scaled(slope_u)),
+            pv.plus(nv.scaled(height)).plus(rise.scaled(slope_v)),
+        ];
         let steep_u = slope_u.abs() + h_uu.abs() * half.x + h_uv.abs() * half.y;
         let steep_v = slope_v.abs() + h_uv.abs() * half.x + h_vv.abs() * half.y;
-        let (nu, nv) = (nu.abs(), nv.abs());
-        let rise = rise.abs() + half.x * nu + half.y * nv;
-        let bend = half.x * half.x * (steep_u * nu + 0.5 * h_uu.abs() * rise)
-            + half.x * half.y * (h_uv.abs() * rise + steep_u * nv + steep_v * nu)
-            + half.y * half.y * (steep_v * nv + 0.5 * h_vv.abs() * rise);
+        let (nu, nv) = (nu.size(), nv.size());
+        let rise = rise.size().plus(nu.scaled(half.x)).plus(nv.scaled(half.y));
+        let along_u = nu.scaled(steep_u).plus(rise.scaled(0.5 * h_uu.abs()));
+        let mixed = rise.scaled(h_uv.abs()).plus(nv.scaled(steep_u)).plus(nu.scaled(steep_v));
+        let along_v = nv.scaled(steep_v).plus(rise.scaled(0.5 * h_vv.abs()));
+        let bend = along_u
+            .scaled(half.x * half.x)
+            .plus(mixed.scaled(half.x * half.y))
+            .plus(along_v.scaled(half.y * half.y));
         Local { value, along, bend }
     }
 

@@ -176,6 +176,13 @@ impl Prism {
         })
     }
 
+    /// The longer side of the box of its footprint, in whole cells.
+    #[inline(always)]
+    pub fn extent(&self) -> f64 {
+        let [width, height] = self.cells.map(|[first, end]| end - first);
+        f64::from(width.max(height))
+    }
+
     /// Bound on the distance between computed and exact points of sheet and ray, scene units.
     pub fn rounding(&self, reach: f64) -> f64 {
         64.0 * f64::EPSILON * self.condition() * reach
@@ -185,13 +192,6 @@ impl Prism {
     #[inline(always)]
     pub fn area(&self) -> Area {
         Area::of(self.lattice)
-    }
-
-    /// The longer side of the box of its footprint, in whole cells.
-    #[inline(always)]
-    pub fn extent(&self) -> f64 {
-        let [width, height] = self.cells.map(|[first, end]| end - first);
-        f64::from(width.max(height))
     }
 
     pub fn footprint(&self) -> Footprint {

@@ -19,6 +19,7 @@ use glam::DVec3;
 
 use crate::map::{DistanceMap, Run};
 use crate::probe::Probe;
+use crate::simd::PortableQuad;
 
 use super::super::footprint::{Footprint, MARGIN, floor};
 use super::super::frame::{Frame, Path, Region};
@@ -50,7 +51,7 @@ type Part = [[i32; 2]; 2];
 
 /// The walk under one tile of one prism.
 struct March<'a, P> {
-    cells: Cells<'a, P>,
+    cells: Cells<'a, P, PortableQuad>,
     footprint: &'a Footprint,
     distances: &'a DistanceMap,
     /// Stored from unfolded coordinates: sign and shift, along x and y.
@@ -74,7 +75,7 @@ impl<P: Probe> PrismWalk<'_, P> {
         let mut path = None;
         if !prism.frame.is_blind() {
             let own = prism.path(ray);
-            span = clip(&own, span, prism, mesh.height_slack);
+            span = clip::<PortableQuad>(&own, span, prism, mesh.height_slack);
             path = Some(own);
         }
         if span[0] > span[1] {
@@ -300,7 +301,11 @@ impl<P: Probe> March<'_, P> {
         let low = cell.map(f64::from);
         self.shown[self.next % REMEMBERED] = Some(cell);
         self.next += 1;
-        !self.footprint.misses(low, low.map(|x| x + 1.0)) && self.cells.leaf(cell)
+        if self.footprint.misses(low, low.map(|x| x + 1.0)) {
+            return false;
+        }
+        let corners = self.cells.mesh.relief.heights().unfolded_corners(cell[0], cell[1]);
+        self.cells.leaf(cell, corners)
     }
 
     /// Shows all cells of a part; says whether the search is over.

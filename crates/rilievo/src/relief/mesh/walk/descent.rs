@@ -4,13 +4,12 @@ use glam::DVec3;
 
 use crate::map::Run;
 use crate::probe::Probe;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, WIDTH};
 
 use super::super::footprint::MARGIN;
 use super::super::frame::Path;
 use super::cells::Cells;
 use super::forward::Forward;
-use super::shown;
 use super::square::{self, Square};
 
 /// Errors above this share of a child call for a new frame.
@@ -68,11 +67,13 @@ struct Parts<L> {
     span: [f64; 2],
     low: L,
     high: L,
+    /// Whether these heights are each part's own.
+    own_heights: bool,
 }
 
 /// The walk through the pyramid under one prism.
-pub(super) struct Descent<'a, P> {
-    pub cells: Cells<'a, P>,
+pub(super) struct Descent<'a, P, L: Lanes> {
+    pub cells: Cells<'a, P, L::Quad>,
 }
 
 /// What a walk through one tile holds.
@@ -127,10 +128,10 @@ impl Walk {
     }
 }
 
-impl<P: Probe> Descent<'_, P> {
+impl<P: Probe, L: Lanes> Descent<'_, P, L> {
     /// Walks one tile; says whether the search is over.
     #[inline(always)]
-    pub fn tile<L: Lanes>(
+    pub fn tile(
         &mut self,
         runs: [&Run; 2],
         cells: [[i32; 2]; 2],
@@ -138,8 +139,7 @@ impl<P: Probe> Descent<'_, P> {
     ) -> bool {
         let forward = Forward::new(runs, cells, path.speed);
         let path = forward.path(path);
-        let cells = |k: usize| shown(&path, k, span, [forward.first[k], forward.end[k]]);
-        let part = [cells(0), cells(1)];
+        let part = forward.touched::<L::Quad>(&path, span);
         if part[0][0] >= part[0][1] || part[1][0] >= part[1][1] {
             return false;
         }
@@ -149,9 +149,6 @@ impl<P: Probe> Descent<'_, P> {
             (level, bits) = (level + 1, bits + 2);
         }
         let first = [part[0][0] >> bits, part[1][0] >> bits];
-        if level < 0 {
-            square::fetch_block::<L>(self.cells.mesh, first, forward.turn);
-        }
         let single = (0..2).all(|k| (part[k][1] - 1) >> bits == first[k]);
         let prism = self.cells.prism;
         let own = Framed { path, size: prism.extent() * (prism.range()[1] - prism.range()[0]) };
@@ -164,14 +161,15 @@ impl<P: Probe> Descent<'_, P> {
         };
         if single {
             let node = Node { span, place: first, heights, level, frame: OWN as u32 };
-            walk.waiting.push(node);
+            self.offer(&mut walk, node);
         } else {
             let (low, high) = (L::splat(heights[0]), L::splat(heights[1]));
             self.cells.probe.node();
-            self.parts(&mut walk, &Parts { level, first, frame: OWN, span, low, high });
+            let parts = Parts { level, first, frame: OWN, span, low, high, own_heights: false };
+            self.parts(&mut walk, &parts);
         }
         while let Some(node) = walk.waiting.pop() {
-            if self.enter::<L>(&mut walk, node) {
+            if self.enter(&mut walk, node) {
                 return true;
             }
         }
@@ -180,14 +178,17 @@ impl<P: Probe> Descent<'_, P> {
 
     /// Tests the sixteen parts of a node; says whether the search is over.
     #[inline(always)]
-    fn enter<L: Lanes>(&mut self, walk: &mut Walk, mut node: Node) -> bool {
-        node.span[1] = node.span[1].min(self.cells.limit());
+    fn enter(&mut self, walk: &mut Walk, mut node: Node) -> bool {
+        let limit = self.cells.limit();
+        if limit < node.span[1] {
+            node.span[1] = limit;
+        }
         if node.span[0] > node.span[1] {
             return false;
         }
         self.cells.probe.node();
         if node.level < 0 {
-            return self.block::<L>(walk, &node);
+            return self.block(walk, &node);
         }
         let (mut frame, level, side) = (node.frame as usize, node.level as usize, node.side());
         let framed = walk.framed(frame);
@@ -202,9 +203,26 @@ impl<P: Probe> Descent<'_, P> {
         let turn = walk.forward.turn;
         let [low, high] = square::child_heights::<L>(mesh, node.level as u32, node.place, turn);
         let first = node.place.map(|x| 4 * x);
-        let span = node.span;
-        self.parts(walk, &Parts { level: node.level - 1, first, frame, span, low, high });
+        let (span, level) = (node.span, node.level - 1);
+        self.parts(walk, &Parts { level, first, frame, span, low, high, own_heights: true });
         false
+    }
+
+    /// Lets a node wait that was found without its own heights, if the ray may meet those.
+    #[inline(always)]
+    fn offer(&mut self, walk: &mut Walk, mut node: Node) {
+        let (mesh, turn) = (self.cells.mesh, walk.forward.turn);
+        if node.level < 0 {
+            square::fetch_block::<L>(mesh, node.place, turn);
+        }
+        if let Some(heights) = square::heights_of(mesh, node.level, node.place, turn) {
+            if passes(&walk.framed(node.frame as usize).path, node.span, heights, mesh.height_slack)
+            {
+                return;
+            }
+            node.heights = heights;
+        }
+        walk.waiting.push(node);
     }
 
     /// A frame about a node, if it is much better than the one it was found in.
@@ -212,19 +230,12 @@ impl<P: Probe> Descent<'_, P> {
     fn better_frame(&self, walk: &Walk, node: &Node, old: &Framed) -> Option<Framed> {
         let Cells { mesh, prism, .. } = self.cells;
         let Walk { forward, own, .. } = walk;
-        let (side, area) = (node.side(), prism.area());
+        let side = node.side();
         let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
         for k in 0..2 {
-            // The node, cut to the box of the footprint.
-            let first = f64::from((node.place[k] * side).max(forward.first[k]));
-            let end = f64::from(((node.place[k] + 1) * side).min(forward.end[k]));
-            let (sign, shift) = (f64::from(forward.sign[k]), f64::from(forward.shift[k]));
-            let ends = [area.low[k], area.high[k]].map(|x| sign * x + shift);
-            low[k] = first.max(ends[0].min(ends[1])) - MARGIN;
-            high[k] = end.min(ends[0].max(ends[1])) + MARGIN;
-            if low[k] > high[k] {
-                return None;
-            }
+            // The node, cut to the cells of the footprint.
+            low[k] = f64::from((node.place[k] * side).max(forward.first[k])) - MARGIN;
+            high[k] = f64::from(((node.place[k] + 1) * side).min(forward.end[k])) + MARGIN;
         }
         let slack = mesh.height_slack;
         let heights = node.heights.map(f64::from);
@@ -242,14 +253,14 @@ impl<P: Probe> Descent<'_, P> {
 
     /// Lets the parts of a square wait that the ray may meet.
     #[inline(always)]
-    fn parts<L: Lanes>(&mut self, walk: &mut Walk, parts: &Parts<L>) {
-        let Parts { level, first, frame, span, low, high } = *parts;
-        let part = 4 << (2 * (level + 1));
+    fn parts(&mut self, walk: &mut Walk, parts: &Parts<L>) {
+        let Parts { level, first, frame, span, low, high, own_heights } = *parts;
+        let side = 4 << (2 * (level + 1));
         let path = &walk.framed(frame).path;
         let (mut hits, mut spans) = (u16::MAX, None);
         if !path.is_blind() {
-            let corner = first.map(|x| f64::from(x * part));
-            let square = Square::new(path, span, corner, (4 * part, self.cells.mesh));
+            let corner = first.map(|x| f64::from(x * side));
+            let square = Square::new::<L::Quad>(path, span, corner, (4 * side, self.cells.mesh));
             let met = square.parts::<L>(low, high);
             hits = met.bits;
             spans = Some([met.near.store(), met.far.store()]);
@@ -264,32 +275,40 @@ impl<P: Probe> Descent<'_, P> {
             let lane = 15 - hits.leading_zeros() as usize;
             hits &= !(1 << lane);
             let place = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
-            if (0..2).any(|k| place[k] * part >= end[k] || (place[k] + 1) * part <= begin[k]) {
+            if (0..2).any(|k| place[k] * side >= end[k] || (place[k] + 1) * side <= begin[k]) {
                 continue;
             }
-            let span = match &spans {
+            let mut part = span;
+            if let Some([near, far]) = &spans {
                 // A little wider than lanes can round.
-                Some([near, far]) => [
-                    (span[0] + (f64::from(near[lane]) - SPARE) * length).max(span[0]),
-                    (span[0] + (f64::from(far[lane]) + SPARE) * length).min(span[1]),
-                ],
-                None => span,
-            };
+                let enter = span[0] + (f64::from(near[lane]) - SPARE) * length;
+                let leave = span[0] + (f64::from(far[lane]) + SPARE) * length;
+                part[0] = if enter > span[0] { enter } else { span[0] };
+                part[1] = if leave < span[1] { leave } else { span[1] };
+            }
+            let heights = [low[lane], high[lane]];
+            let node = Node { span: part, place, heights, level, frame: frame as u32 };
+            if !own_heights {
+                self.offer(walk, node);
+                continue;
+            }
             if level < 0 {
                 square::fetch_block::<L>(self.cells.mesh, place, walk.forward.turn);
             }
-            let heights = [low[lane], high[lane]];
-            walk.waiting.push(Node { span, place, heights, level, frame: frame as u32 });
+            walk.waiting.push(node);
         }
     }
 
     /// Shows the cells of a block that the ray may meet to the leaf; says whether the search is over.
     #[inline(always)]
-    fn block<L: Lanes>(&mut self, walk: &Walk, node: &Node) -> bool {
+    fn block(&mut self, walk: &Walk, node: &Node) -> bool {
         let (mesh, forward) = (self.cells.mesh, &walk.forward);
         let framed = walk.framed(node.frame as usize);
-        let corners = square::cell_corners::<L>(mesh, node.place, forward.turn);
-        let [h00, h10, h01, h11] = corners;
+        let stored = square::cell_corners::<L>(mesh, node.place, forward.turn);
+        let level = L::splat(mesh.offsets.level);
+        let [h00, h10, h01, h11] = stored;
+        let (h00, h10) = (h00.minus(level), h10.minus(level));
+        let (h01, h11) = (h01.minus(level), h11.minus(level));
         let low = h00.smaller(h10).smaller(h01.smaller(h11));
         let high = h00.larger(h10).larger(h01.larger(h11));
         let mut path = framed.path;
@@ -306,14 +325,19 @@ impl<P: Probe> Descent<'_, P> {
         let (mut hits, mut near) = (u16::MAX, None);
         if !path.is_blind() {
             let corner = node.place.map(|x| f64::from(4 * x));
-            let square = Square::new(&path, node.span, corner, (4, mesh));
-            let met = square.cells::<L>(corners, [low, high]);
+            let square = Square::new::<L::Quad>(&path, node.span, corner, (4, mesh));
+            let met = square.cells::<L>([h00, h10, h01, h11], [low, high]);
             hits = met.bits;
             near = Some(met.near.store());
         }
+        if hits == 0 {
+            return false;
+        }
         let length = node.span[1] - node.span[0];
+        let [h00, h10, h01, h11] = stored;
+        let (h00, h10, h01, h11) = (h00.store(), h10.store(), h01.store(), h11.store());
         while hits != 0 {
-            let lane = hits.trailing_zeros() as usize;
+            let lane = hits.trailing_zeros() as usize % WIDTH;
             hits &= hits - 1;
             let cell =
                 [4 * node.place[0] + (lane as i32 & 3), 4 * node.place[1] + (lane as i32 >> 2)];
@@ -335,7 +359,8 @@ impl<P: Probe> Descent<'_, P> {
                     }
                 }
             }
-            if self.cells.leaf(cell) {
+            let corners = forward.unfolded_corners([h00[lane], h10[lane], h01[lane], h11[lane]]);
+            if self.cells.leaf(cell, corners) {
                 return true;
             }
         }
@@ -346,7 +371,8 @@ impl<P: Probe> Descent<'_, P> {
 /// Whether the error of a path is large beside a part of a node.
 #[inline(always)]
 fn is_coarse(path: &Path, part: f64) -> bool {
-    path.error.x.max(path.error.y) > LARGE * part
+    let error = if path.error.x > path.error.y { path.error.x } else { path.error.y };
+    error > LARGE * part
 }
 
 /// Whether a path is above or below all of a range of heights.
@@ -357,5 +383,6 @@ fn passes(path: &Path, [from, to]: [f64; 2], [low, high]: [f32; 2], slack: f64) 
     }
     let (a, b) = (path.at(from).z, path.at(to).z);
     let room = path.error.z + slack;
-    a.max(b) < f64::from(low) - room || a.min(b) > f64::from(high) + room
+    let (low, high) = (f64::from(low) - room, f64::from(high) + room);
+    (a < low && b < low) || (a > high && b > high)
 }

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use crate::map::Run;
+use crate::simd::Quad;
 
+use super::super::footprint::MARGIN;
 use super::super::frame::{Bent, Frame, Path};
 
 /// Forward coordinates of a tile: they count stored cells, up or down, so that they rise along the
@@ -54,6 +56,34 @@ impl Forward {
             };
         }
         unfolded
+    }
+
+    /// Corner heights `h00 h10 h01 h11` of a forward cell in the order of unfolded cells.
+    #[inline(always)]
+    pub fn unfolded_corners(&self, [a, b, c, d]: [f32; 4]) -> [f32; 4] {
+        let [a, b, c, d] = if self.sign[0] < 0 { [b, a, d, c] } else { [a, b, c, d] };
+        if self.sign[1] < 0 { [c, d, a, b] } else { [a, b, c, d] }
+    }
+
+    /// The forward cells of the tile that a path may touch within a span, first and one past the last.
+    #[inline(always)]
+    pub fn touched<Q: Quad>(&self, path: &Path, [from, to]: [f64; 2]) -> [[i32; 2]; 2] {
+        let (first, end) = (self.first, self.end);
+        if path.is_blind() {
+            return [[first[0], end[0]], [first[1], end[1]]];
+        }
+        let both = |v: DVec3| Q::of([v.x, v.y, v.x, v.y]);
+        let (start, speed) = (both(path.start), both(path.speed));
+        let (a, b) = (start.plus(speed.scaled(from)), start.plus(speed.scaled(to)));
+        let room = both(path.error).plus(Q::splat(MARGIN));
+        // Low in the first two, what is high turned over in the others.
+        let turn = Q::of([0.0, 0.0, -0.0, -0.0]);
+        let low = a.turned_by(turn).smaller(b.turned_by(turn)).minus(room);
+        let ends = [first[0], first[1], end[0] - 1, end[1] - 1].map(f64::from);
+        let beyond = [end[0], end[1], first[0] - 1, first[1] - 1].map(f64::from);
+        let (ends, beyond) = (Q::of(ends).turned_by(turn), Q::of(beyond).turned_by(turn));
+        let [x, y, x_end, y_end] = low.larger(ends).smaller(beyond).turned_by(turn).floors();
+        [[x, x_end + 1], [y, y_end + 1]]
     }
 
     /// A path over unfolded cells, over forward cells.

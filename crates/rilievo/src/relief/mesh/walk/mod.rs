@@ -5,7 +5,8 @@
 //! `frame`): the parameters at which the line is between the lowest and highest height of the prism
 //! and inside of its three sides, all widened by the error. What is left is walked through the
 //! 4 x 4 pyramid of the map, from the smallest level of which 4 x 4 nodes hold it, at any place:
-//! sixteen children at once are cut by their borders and bounds, widened (`square`). Where the error is
+//! sixteen children at once are cut by their borders and bounds, widened (`square`); of the first
+//! sixteen, which have no common parent, each is held against its own bounds before it waits. Where the error is
 //! larger than 0.4 of a child, a new frame is made about the node: the error falls with the size of
 //! the node times its range of heights, which for a block of 4 x 4 cells are its own. In a block,
 //! cells are left out whose surface the line cannot touch (`square::Square::cells`).
@@ -30,7 +31,7 @@ mod square;
 
 use crate::map::{Axis, Run};
 use crate::probe::Probe;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Quad};
 
 use super::ReliefMesh;
 use super::footprint::{MARGIN, floor};
@@ -54,29 +55,30 @@ impl<P: Probe> PrismWalk<'_, P> {
     /// [`Method::Pyramid`](super::Method::Pyramid).
     #[inline(always)]
     pub fn through_pyramid<L: Lanes>(self) -> bool {
-        let Self { mesh, index, ray, nearest, probe } = self;
+        let Self { mesh, index, ray, .. } = self;
         let prism = &mesh.prisms[index as usize];
-        let (seen, spare) = (&mut None, prism.t_slack / ray.speed());
-        let mut cells = Cells { mesh, index, prism, ray, spare, seen, nearest, probe };
+        let spare = prism.t_slack / ray.speed();
         if prism.shape == Shape::Thread {
-            return cells.all();
+            return self.every_cell();
         }
+        let Self { nearest, probe, .. } = self;
+        let cells = Cells { mesh, index, prism, ray, spare, seen: &mut None, nearest, probe };
         let mut span = [0.0, cells.limit()];
         let path = prism.path(ray);
         if !path.is_blind() {
-            span = clip(&path, span, prism, mesh.height_slack);
+            span = clip::<L::Quad>(&path, span, prism, mesh.height_slack);
             if span[0] > span[1] {
                 return false;
             }
         }
         let shown = prism.cells;
         let heights = mesh.relief.heights();
-        let mut descent = Descent { cells };
+        let mut descent = Descent::<P, L> { cells };
         let mut next_x = Part::new(heights.x(), &path, 0, span, shown[0]);
         while let Some((run_x, span)) = next_x.next(heights.x(), &path) {
             let mut next_y = Part::new(heights.y(), &path, 1, span, shown[1]);
             while let Some((run_y, span)) = next_y.next(heights.y(), &path) {
-                if descent.tile::<L>([&run_x, &run_y], shown, (&path, span)) {
+                if descent.tile([&run_x, &run_y], shown, (&path, span)) {
                     return true;
                 }
             }
@@ -96,18 +98,22 @@ impl<P: Probe> PrismWalk<'_, P> {
 
 /// The span of a path inside of a prism, widened.
 #[inline(always)]
-fn clip(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 2] {
+fn clip<Q: Quad>(path: &Path, span: [f64; 2], prism: &Prism, height_slack: f64) -> [f64; 2] {
     let [low, high] = prism.range();
     let mut span = path.within(span, 2, [low - height_slack, high + height_slack]);
     let [g, h] = prism.weights;
     let (dx, dy) = (path.start.x - prism.lattice[0][0], path.start.y - prism.lattice[0][1]);
-    let sides = [g, h, [-g[0] - h[0], -g[1] - h[1]]];
-    for (k, [nx, ny]) in sides.into_iter().enumerate() {
-        let start = nx * dx + ny * dy + if k == 2 { 1.0 } else { 0.0 };
-        let speed = nx * path.speed.x + ny * path.speed.y;
-        let room = nx.abs() * path.error.x + ny.abs() * path.error.y;
-        let slack = (nx.abs() + ny.abs()) * MARGIN + 1e-12 * prism.condition();
-        span = keep(span, start, speed, -room - slack);
+    let nx = Q::of([g[0], h[0], -g[0] - h[0], 0.0]);
+    let ny = Q::of([g[1], h[1], -g[1] - h[1], 0.0]);
+    let start = nx.scaled(dx).plus(ny.scaled(dy)).plus(Q::of([0.0, 0.0, 1.0, 0.0]));
+    let speed = nx.scaled(path.speed.x).plus(ny.scaled(path.speed.y));
+    let (nx, ny) = (nx.size(), ny.size());
+    let room = nx.scaled(path.error.x).plus(ny.scaled(path.error.y));
+    let slack = nx.plus(ny).scaled(MARGIN).plus(Q::splat(1e-12 * prism.condition()));
+    let short = Q::splat(0.0).minus(room).minus(slack).minus(start);
+    let (t, speed, short) = (short.over(speed).array(), speed.array(), short.array());
+    for k in 0..3 {
+        span = keep(span, t[k], speed[k], short[k]);
     }
     span
 }

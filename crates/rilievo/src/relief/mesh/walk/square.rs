@@ -2,18 +2,21 @@
 //!
 //! **Rounding.** Parameters run from 0 to 1 over the span; all coordinates there, counted from the
 //! square's corner, are at most `room`, the largest of those of the span's ends and the side, plus
-//! error. Rounding start and speed to `f32` moves a point by at most `3 u room`, `u = 2^-24`; a
-//! computed parameter of a line is the exact one of a line moved by `4 u` of its distance from the start, at most
-//! `8 u room`; a speed below `2^-20 room` is taken for that, which moves a point by as much.
-//! All this is less than `2^-18 room`, by which the error is widened. Heights likewise, their room
-//! being the range of the map plus the error.
+//! error. Rounding start and speed to `f32` moves a point by at most `3 u room`, `u = 2^-24`. The
+//! parameter of a line across x or y is the sum of that of its place in the square, rounded twice at
+//! `room` at most, and that of the first part's line, rounded once at `1.25 room` at most, itself
+//! rounded at `2.25 room` at most: it is the exact one of a line moved by less than `6 u room`. One of a
+//! height is the exact one of a height moved by `4 u` of its distance from the start, at most `8 u room`.
+//! A speed below `2^-20 room` is taken for that, which moves a point by as much. All this is less than
+//! `2^-18 room`, by which the error is widened. The room of heights is the range of the map plus the error.
 
 use glam::DVec3;
 
 use crate::map::{Axis, HeightMap, NodeBounds, Samples};
-use crate::simd::{Lanes, Mirror, WIDTH};
+use crate::simd::{Lanes, Mirror, Quad, WIDTH};
 
 use super::super::ReliefMesh;
+use super::super::footprint::MARGIN;
 use super::super::frame::Path;
 
 /// Column and row of each lane.
@@ -27,12 +30,16 @@ const WIDENING: f64 = 1.0 / (1 << 18) as f64;
 
 /// A path over a square, rounded.
 pub(super) struct Square {
-    start: [f32; 3],
-    speed: [f32; 3],
-    inverse: [f32; 3],
-    error: [f32; 3],
-    /// Side of a part, cells.
-    part: f32,
+    /// Of these, the fourth number has no meaning.
+    start: [f32; 4],
+    speed: [f32; 4],
+    error: [f32; 4],
+    /// Parameters that a part takes, along x and y.
+    pace: [f32; 4],
+    /// Parameters at which the first part is entered and left, along x and y.
+    ends: [[f32; 4]; 2],
+    /// Parameters per unit.
+    inverse: [f32; 4],
     /// Bound on the heights of the map, from the level.
     half_range: f32,
 }
@@ -72,48 +79,59 @@ fn size<L: Lanes>(a: L) -> L {
 impl Square {
     /// The square of `side` cells at `corner`.
     #[inline(always)]
-    pub fn new(
+    pub fn new<Q: Quad>(
         path: &Path,
         [from, to]: [f64; 2],
         corner: [f64; 2],
         (side, mesh): (i32, &ReliefMesh),
     ) -> Self {
-        let corner = DVec3::new(corner[0], corner[1], 0.0);
-        let (a, b) = (path.at(from) - corner, path.at(to) - corner);
-        let half_range = mesh.offsets.half_range;
-        let room = DVec3::new(f64::from(side), f64::from(side), 2.0 * half_range);
-        let room = room.max(a.abs()).max(b.abs()) + path.error;
+        let quad = |v: DVec3| Q::of([v.x, v.y, v.z, 0.0]);
+        let (start, speed, error) = (quad(path.start), quad(path.speed), quad(path.error));
+        let start = start.minus(Q::of([corner[0], corner[1], 0.0, 0.0]));
+        let (a, b) = (start.plus(speed.scaled(from)), start.plus(speed.scaled(to)));
+        let (half_range, height_slack) = (mesh.offsets.half_range, mesh.height_slack);
+        let side = f64::from(side);
         // What is spared for heights keeps flat maps from dividing by zero.
-        let room = room + DVec3::new(0.0, 0.0, mesh.height_slack + 1e-30);
-        let mut square = Self {
-            start: [0.0; 3],
-            speed: [0.0; 3],
-            inverse: [0.0; 3],
-            error: [0.0; 3],
-            part: side as f32 * 0.25,
+        let spared = height_slack + 1e-30;
+        let room = Q::of([side, side, 2.0 * half_range + spared, 1.0]);
+        let room = room.larger(a.size()).larger(b.size()).plus(error);
+        let room = room.plus(Q::of([0.0, 0.0, spared, 0.0]));
+        let speed = b.minus(a);
+        let least = room.scaled(0.25 * WIDENING);
+        let speed = speed.size().larger(least).turned_by(speed);
+        let slack = Q::of([MARGIN, MARGIN, height_slack, 0.0]);
+        let error = error.plus(slack).plus(room.scaled(WIDENING));
+        let inverse = Q::splat(1.0).over(speed);
+        let part = 0.25 * side;
+        let low = Q::splat(0.0).minus(a).minus(error).times(inverse);
+        let high = Q::splat(part).minus(a).plus(error).times(inverse);
+        Self {
+            start: a.rounded(),
+            speed: speed.rounded(),
+            error: error.rounded(),
+            pace: inverse.scaled(part).rounded(),
+            ends: [low.smaller(high).rounded(), low.larger(high).rounded()],
+            inverse: inverse.rounded(),
             half_range: half_range as f32,
-        };
-        for k in 0..3 {
-            let least = (0.25 * WIDENING * room[k]) as f32;
-            let speed = (b[k] - a[k]) as f32;
-            let speed = if speed.abs() < least { least } else { speed };
-            square.start[k] = a[k] as f32;
-            square.speed[k] = speed;
-            square.inverse[k] = 1.0 / speed;
-            let slack = if k == 2 { mesh.height_slack } else { super::super::footprint::MARGIN };
-            square.error[k] = (path.error[k] + slack + WIDENING * room[k]) as f32;
         }
-        square
     }
 
-    /// Parameters between two lines across an axis.
+    /// Parameters at which parts of a column or row are entered and left.
     #[inline(always)]
-    fn between<L: Lanes>(&self, axis: usize, low: L, high: L) -> [L; 2] {
-        let (start, error) = (self.start[axis], self.error[axis]);
-        let inverse = L::splat(self.inverse[axis]);
-        let low = low.minus(L::splat(start + error)).times(inverse);
-        let high = high.minus(L::splat(start - error)).times(inverse);
-        if self.speed[axis] < 0.0 { [high, low] } else { [low, high] }
+    fn across<L: Lanes>(&self, axis: usize) -> [L; 2] {
+        let place = L::load(&PLACES[axis]).times(L::splat(self.pace[axis]));
+        let [enter, leave] = &self.ends;
+        [place.plus(L::splat(enter[axis])), place.plus(L::splat(leave[axis]))]
+    }
+
+    /// Parameters between two heights.
+    #[inline(always)]
+    fn between<L: Lanes>(&self, low: L, high: L) -> [L; 2] {
+        let (start, error) = (self.start[2], self.error[2]);
+        let per_height = L::splat(self.inverse[2]);
+        let low = low.minus(L::splat(start + error)).times(per_height);
+        let high = high.minus(L::splat(start - error)).times(per_height);
+        [low.smaller(high), low.larger(high)]
     }
 
     /// A coordinate at a parameter.
@@ -125,12 +143,9 @@ impl Square {
     /// The parts met between these heights.
     #[inline(always)]
     pub fn parts<L: Lanes>(&self, low: L, high: L) -> Met<L> {
-        let part = L::splat(self.part);
-        let x = L::load(&PLACES[0]).times(part);
-        let y = L::load(&PLACES[1]).times(part);
-        let [near_x, far_x] = self.between(0, x, x.plus(part));
-        let [near_y, far_y] = self.between(1, y, y.plus(part));
-        let [near_h, far_h] = self.between(2, low, high);
+        let [near_x, far_x] = self.across::<L>(0);
+        let [near_y, far_y] = self.across::<L>(1);
+        let [near_h, far_h] = self.between(low, high);
         let near = near_x.larger(near_y).larger(near_h).larger(L::splat(0.0));
         let far = far_x.smaller(far_y).smaller(far_h).smaller(L::splat(1.0));
         Met { bits: L::bits(near.at_most(far)), near, far }
@@ -160,7 +175,7 @@ impl Square {
         let b1 = za.plus(zb).minus(surface.at(xa, yb).plus(surface.at(xb, ya))).times(half);
         let (low, high) = (surface.low, surface.high);
         let twist = size(high.minus(low));
-        let [ex, ey, eh] = self.error;
+        let [ex, ey, eh, _] = self.error;
         let lx = size(low).larger(size(high)).plus(twist.times(L::splat(ey)));
         let (slope_left, slope_right) = (h01.minus(h00), h11.minus(h10));
         let ly = size(slope_left).larger(size(slope_right)).plus(twist.times(L::splat(ex)));
@@ -202,12 +217,40 @@ pub(super) fn child_heights<L: Lanes>(
     [low, base.plus(high.times(step)).minus(level)]
 }
 
-/// Corners `h00 h10 h01 h11` of the cells of a block, over the level, forward.
+/// Lowest and highest height of a node, or of a block at level -1, over the level; nothing for the top of
+/// the pyramid.
+#[inline(always)]
+pub(super) fn heights_of(
+    mesh: &ReliefMesh,
+    level: i32,
+    place: [i32; 2],
+    turn: [i32; 2],
+) -> Option<[f32; 2]> {
+    let pyramid = mesh.relief.pyramid();
+    let above = (level + 1) as u32;
+    if above >= pyramid.levels() {
+        return None;
+    }
+    let across = pyramid.nodes(above)[0] as usize;
+    let (x, y) = ((place[0] ^ turn[0]) as usize, (place[1] ^ turn[1]) as usize);
+    let lane = (4 * (y & 3) + (x & 3)) % WIDTH;
+    let (high, low) = match pyramid.node(above, (y >> 2) * across + (x >> 2)) {
+        NodeBounds::Wide { max, min } => (f32::from(max[lane]), f32::from(min[lane])),
+        NodeBounds::Tiny { max, min, base, step } => {
+            (base + f32::from(max[lane]) * step, base + f32::from(min[lane]) * step)
+        }
+    };
+    let code = pyramid.code();
+    let height = |bound: f32| code.base + bound * code.step - mesh.offsets.level;
+    Some([height(low), height(high)])
+}
+
+/// Corners `h00 h10 h01 h11` of the cells of a block, forward.
 #[inline(always)]
 pub(super) fn cell_corners<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [i32; 2]) -> [L; 4] {
     let map = mesh.relief.heights();
     let cell = [4 * (place[0] ^ turn[0]) as u32, 4 * (place[1] ^ turn[1]) as u32];
-    let [h00, h10, h01, h11] = match map.samples() {
+    match map.samples() {
         Samples::U16(samples) => {
             let mut border = [[0; 8]; 5];
             let rows = block_rows(map, samples, cell, &mut border);
@@ -218,9 +261,7 @@ pub(super) fn cell_corners<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [
             let rows = block_rows(map, samples, cell, &mut border);
             L::corners_f32(in_order(rows, turn[1] != 0), turn[0] != 0)
         }
-    };
-    let level = L::splat(mesh.offsets.level);
-    [h00.minus(level), h10.minus(level), h01.minus(level), h11.minus(level)]
+    }
 }
 
 /// Asks for the samples of a block before they are needed.
@@ -229,12 +270,20 @@ pub(super) fn fetch_block<L: Lanes>(mesh: &ReliefMesh, place: [i32; 2], turn: [i
     let map = mesh.relief.heights();
     let x = 4 * (place[0] ^ turn[0]) + map.x().first_cell();
     let y = 4 * (place[1] ^ turn[1]) + map.y().first_cell();
-    let width = map.width() as usize;
+    let (first, width) =
+        (y.max(0) as usize * map.width() as usize + x.max(0) as usize, map.width());
+    match map.samples() {
+        Samples::U16(samples) => fetch_rows::<L, u16>(samples, first, width as usize),
+        Samples::F32(samples) => fetch_rows::<L, f32>(samples, first, width as usize),
+    }
+}
+
+/// Asks for five rows.
+#[inline(always)]
+fn fetch_rows<L: Lanes, T>(samples: &[T], first: usize, width: usize) {
     for row in 0..5 {
-        let at = (y.max(0) as usize + row) * width + x.max(0) as usize;
-        match map.samples() {
-            Samples::U16(samples) => samples.get(at).map_or((), L::fetch),
-            Samples::F32(samples) => samples.get(at).map_or((), L::fetch),
+        if let Some(sample) = samples.get(first + row * width) {
+            L::fetch(sample);
         }
     }
 }
