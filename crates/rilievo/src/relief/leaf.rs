@@ -134,7 +134,7 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 
 /// Bilinear height; `h = [h00, h10, h01, h11]` in forward order.
 #[inline]
-fn bilinear(h: &[f32; 4], x: f32, y: f32) -> f32 {
+pub(crate) fn bilinear(h: &[f32; 4], x: f32, y: f32) -> f32 {
     lerp(lerp(h[0], h[2], y), lerp(h[1], h[3], y), x)
 }
 

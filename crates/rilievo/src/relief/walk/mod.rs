@@ -74,7 +74,7 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
     // The next node to test when nothing is left to do, and the last one.
     let (mut next, last, home) = match start {
         Some(start) => {
-            nodes.look_down(map);
+            nodes.look_down(map, &start);
             (0, start.last_level.min(top), start.cell)
         }
         None => (top, top, frame.turn),
