@@ -52,11 +52,7 @@ impl<P: Probe> Kernel for IsCrossed<'_, P> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> bool {
-        let Self { trace, ray, probe } = self;
-        let Some(map_ray) = trace.placement.map_ray(ray, trace.options.closed) else {
-            return false;
-        };
-        trace.is_crossed::<L, P>((&map_ray, ray.t_max), probe)
+        self.trace.is_crossed::<L, P>(self.ray, self.probe)
     }
 }
 

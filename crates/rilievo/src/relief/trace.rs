@@ -175,16 +175,13 @@ impl Trace<'_> {
     /// Whether there is a crossing up to the ray's end, for exact methods: without the refinement
     /// where that cannot matter.
     #[inline(always)]
-    pub fn is_crossed<L: Lanes, P: Probe>(
-        &self,
-        (ray, t_max): (&MapRay, f64),
-        probe: &mut P,
-    ) -> bool {
-        let Some(met) = first_met::<L, P>(self, ray, probe) else { return false };
+    pub fn is_crossed<L: Lanes, P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let Some(map_ray) = self.placement.map_ray(ray, self.options.closed) else { return false };
+        let Some(met) = first_met::<L, P>(self, &map_ray, probe) else { return false };
         let (Met::Surface(LeafHit { s, .. }) | Met::Wall { s, .. }) = met;
         // Refinement moves a crossing into a neighbour of the neighbouring cell at most.
-        let cells = 3.0 * smaller(ray.inv[0], ray.inv[1]);
-        s + cells <= ray.end || self.refined(ray, t_max, met).is_some()
+        let cells = 3.0 * smaller(map_ray.inv[0], map_ray.inv[1]);
+        s + cells <= map_ray.end || self.refined(&map_ray, ray.t_max, met).is_some()
     }
 
     /// The crossing of what was met, in `f64`, unless it lies past the ray's end.
