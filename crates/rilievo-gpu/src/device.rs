@@ -1,12 +1,14 @@
 //! [`Gpu`]: an adapter of the system, opened.
 
-use std::sync::{Arc, Mutex};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use wgpu::{DeviceType, PollType};
 
 use crate::error::GpuError;
-use crate::shaders;
+use crate::pages::Pages;
+use crate::shaders::{self, Walks};
 
 /// How long a dispatch may take before the device counts as lost; dispatches are cut to take a small part
 /// of it.
@@ -15,16 +17,32 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Bytes that no record in a buffer exceeds: devices refuse a buffer that holds less than one.
 const LARGEST_RECORD: u64 = 512;
 
+/// Storage buffers that a shader binds beside the pages of maps; the least of devices binds eight.
+pub(crate) const OTHER_BUFFERS: u32 = 6;
+
 /// An opened GPU.
 pub struct Gpu {
     name: String,
     software: bool,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    /// The shader of [`shaders::CLOSEST`].
-    pub(crate) closest: wgpu::ComputePipeline,
+    /// What was compiled so far.
+    pipelines: Mutex<HashMap<(Kernel, [Pages; 2]), wgpu::ComputePipeline>>,
+    /// Bytes that a shader binds at once.
+    largest_binding: u64,
     /// The first thing that went wrong, told by the driver at any time.
     fault: Arc<Mutex<Option<Fault>>>,
+}
+
+/// A shader's entry point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kernel {
+    /// The nearest hit of every ray.
+    Closest(Walks),
+    /// The finest level of a pyramid.
+    Ground,
+    /// The other levels.
+    Coarser,
 }
 
 /// What a driver tells outside of any call.
@@ -61,6 +79,8 @@ impl Gpu {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("rilievo"),
             required_limits: adapter.limits(),
+            // For benchmarks alone.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             ..Default::default()
         };
         let (device, queue) = adapter.request_device(&descriptor).await.map_err(|error| {
@@ -82,8 +102,10 @@ impl Gpu {
             }
         });
         let software = info.device_type == DeviceType::Cpu;
-        let closest = pipeline(&device);
-        let gpu = Self { name, software, device, queue, closest, fault };
+        let limits = device.limits();
+        let largest_binding = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        let pipelines = Mutex::default();
+        let gpu = Self { name, software, device, queue, pipelines, largest_binding, fault };
         gpu.check()?;
         Ok(gpu)
     }
@@ -98,7 +120,17 @@ impl Gpu {
         self.software
     }
 
-    /// A buffer with these bytes; at least with room for one record of any kind.
+    /// The device, for shaders of a program's own beside these.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue that everything here is submitted to.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// A buffer with these bytes.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`], [`GpuError::Lost`].
@@ -108,7 +140,7 @@ impl Gpu {
         bytes: &[u8],
     ) -> Result<wgpu::Buffer, GpuError> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let buffer = self.allocate(what, (bytes.len() as u64).max(LARGEST_RECORD), usage)?;
+        let buffer = self.allocate(what, bytes.len() as u64, usage)?;
         let whole = bytes.len() / 4 * 4;
         self.queue.write_buffer(&buffer, 0, &bytes[..whole]);
         if whole < bytes.len() {
@@ -120,7 +152,7 @@ impl Gpu {
         Ok(buffer)
     }
 
-    /// A buffer of this many bytes, rounded up to a multiple of sixteen.
+    /// A buffer of this many bytes, rounded up to a multiple of sixteen and at least one record of any kind.
     ///
     /// # Errors
     /// As [`Gpu::upload`].
@@ -130,12 +162,9 @@ impl Gpu {
         bytes: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, GpuError> {
-        let size = bytes.div_ceil(16).max(1) * 16;
-        let limits = self.device.limits();
-        let allowed = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        if size > allowed {
-            let adapter = self.name.clone();
-            return Err(GpuError::TooLarge { what, adapter, needed: size, allowed });
+        let size = bytes.max(LARGEST_RECORD).div_ceil(16) * 16;
+        if size > self.largest_binding {
+            return Err(self.too_large(what, size, self.largest_binding));
         }
         let descriptor =
             wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
@@ -177,12 +206,66 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        let fault = self.fault.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone();
         match fault {
             None => Ok(()),
             Some(Fault::OutOfMemory) => Err(GpuError::OutOfMemory { adapter: self.name.clone() }),
             Some(Fault::Lost(reason)) => Err(self.lost(reason)),
         }
+    }
+
+    /// A kernel for maps that are cut into these pages; compiled when it is asked for first.
+    pub(crate) fn pipeline(&self, kernel: Kernel, pages: [Pages; 2]) -> wgpu::ComputePipeline {
+        let mut known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        known.entry((kernel, pages)).or_insert_with(|| self.compiled(kernel, pages)).clone()
+    }
+
+    fn compiled(&self, kernel: Kernel, pages: [Pages; 2]) -> wgpu::ComputePipeline {
+        let (name, text) = match kernel {
+            Kernel::Closest(walks) => ("closest", shaders::closest(walks, pages)),
+            Kernel::Ground => ("ground", shaders::pyramid(pages)),
+            Kernel::Coarser => ("coarser", shaders::pyramid(pages)),
+        };
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: None,
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    }
+
+    /// The same device, as if it bound no more bytes at once.
+    #[cfg(test)]
+    pub(crate) fn with_largest_binding(self, bytes: u64) -> Self {
+        Self { largest_binding: bytes, ..self }
+    }
+
+    /// Bytes that a shader binds at once.
+    pub(crate) fn largest_binding(&self) -> u64 {
+        self.largest_binding
+    }
+
+    /// Refuses maps that are cut into more pages than a shader binds.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`].
+    pub(crate) fn check_pages(&self, pages: u32, bytes: u64) -> Result<(), GpuError> {
+        let bound = self.device.limits().max_storage_buffers_per_shader_stage;
+        let room = bound.saturating_sub(OTHER_BUFFERS);
+        if pages <= room.max(2) {
+            return Ok(());
+        }
+        Err(self.too_large("height maps", bytes, u64::from(room) * self.largest_binding))
+    }
+
+    pub(crate) fn too_large(&self, what: &'static str, needed: u64, allowed: u64) -> GpuError {
+        GpuError::TooLarge { what, adapter: self.name.clone(), needed, allowed }
     }
 
     fn lost(&self, reason: String) -> GpuError {
@@ -192,20 +275,5 @@ impl Gpu {
 
 /// Keeps the first fault.
 fn tell(told: &Mutex<Option<Fault>>, fault: Fault) {
-    told.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(fault);
-}
-
-fn pipeline(device: &wgpu::Device) -> wgpu::ComputePipeline {
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("closest"),
-        source: wgpu::ShaderSource::Wgsl(shaders::CLOSEST.into()),
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("closest"),
-        layout: None,
-        module: &module,
-        entry_point: Some("closest"),
-        compilation_options: Default::default(),
-        cache: None,
-    })
+    told.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(fault);
 }

@@ -20,9 +20,9 @@ pub enum GpuError {
         /// What the driver said.
         reason: String,
     },
-    /// Something does not fit a buffer of the device.
+    /// Something does not fit the buffers of the device.
     #[error(
-        "{what} need {needed} bytes in one buffer, the GPU {adapter} allows {allowed}; \
+        "{what} need {needed} bytes in buffers, the GPU {adapter} allows {allowed}; \
          use smaller maps or the CPU"
     )]
     TooLarge {

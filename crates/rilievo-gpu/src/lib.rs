@@ -2,7 +2,7 @@
 //! Direct3D 12, shaders in WGSL alone.
 //!
 //! [`Gpu::open`] takes the system's fastest adapter, [`GpuWorld`] brings the surfaces of a
-//! [`World`](rilievo::surface::World) to it: heights as they are (two codes a word) and the CPU's own pyramids. Rays go
+//! [`World`](rilievo::surface::World) to it: heights as they are (two codes a word). Rays go
 //! in, hits come out. The shaders are the twins of the CPU's modules, by path and name: the same walk in
 //! the same order down to the same leaf.
 //!
@@ -24,8 +24,17 @@
 //! **Flat surfaces** are met in doubles too: triangles by sheared edges, spheres by their quadratic, below trees of
 //! boxes in floats, rounded outward. The CPU then meets the surface that the GPU names once more, in `f64`.
 //!
-//! **Limits.** Displaced spheres and meshes, and methods that are not exact, are refused by name. All maps of a world share one
-//! buffer: 128 MiB on the least of devices, 2 to 4 GiB on most. Rays whose start is farther than 1e30
+//! **Maps.** Pyramids are built on the device, bit for bit the CPU's: samples are compared as whole numbers, and codes of
+//! floats are proven by comparisons, so a device may divide as it likes. After an edit ([`GpuWorld::edited`]) the samples of its
+//! rectangle are brought over and the nodes above them made anew. All maps of a world share one range of places; where a shader
+//! binds less than that at once (128 MiB on the least of devices), it lies in several buffers. Maps past what all of them
+//! hold are refused with the sizes.
+//!
+//! **Distances.** Methods `distance` and `distance-corrected` step through a 3-D texture in `f32`, with wider margins than
+//! the CPU's `f64`, and end in the same leaf: the same hits, bit for bit (`shaders/distance.wgsl`). `distance-published` is the
+//! paper's, in floats (`shaders/published.wgsl`).
+//!
+//! **Limits.** Displaced spheres and meshes, and method `march`, are refused by name. Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
 //! **Watchdog.** Dispatches are cut so that each takes about a tenth of a second.
@@ -36,7 +45,12 @@
 #![forbid(unsafe_code)]
 
 mod device;
+mod distances;
 mod error;
+mod maps;
+mod measure;
+mod pages;
+mod pyramid_build;
 mod records;
 mod shaders;
 mod upload;
@@ -44,4 +58,7 @@ mod world;
 
 pub use device::Gpu;
 pub use error::GpuError;
-pub use world::GpuWorld;
+pub use measure::GpuRays;
+pub use world::{GpuMaps, GpuWorld, MapEdit};
+// Its types stand in what `Gpu` gives away.
+pub use wgpu;

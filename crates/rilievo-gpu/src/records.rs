@@ -20,6 +20,8 @@ pub(crate) const NODE_WORDS: usize = 8;
 pub(crate) const TRIANGLE_WORDS: usize = 20;
 /// Words of a level in the table of a pyramid: nodes along x, first word of maxima and of minima.
 pub(crate) const LEVEL_WORDS: usize = 3;
+/// Words of a task of building a pyramid.
+pub(crate) const TASK_WORDS: usize = 24;
 
 /// The surface of a ray that leaves none, and of a hit that is none.
 const NOTHING: u32 = u32::MAX;
@@ -31,7 +33,7 @@ const ONE_SIDED: u32 = 4;
 const WALL_SHIFT: u32 = 8;
 
 /// Where a map lies on the device, in words.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MapPlace {
     /// First word of its samples.
     pub heights: u32,
@@ -163,8 +165,14 @@ impl HitRecord<'_> {
     }
 }
 
-/// Writes a face whose map lies at `place`; `anchor` is that of the rays.
-pub(crate) fn write_face(words: &mut Vec<u32>, face: &ReliefFace, place: MapPlace, anchor: DVec3) {
+/// Writes a face whose map lies at `place` and whose distance map, if it walks one, is told of at `distance`;
+/// `anchor` is that of the rays.
+pub(crate) fn write_face(
+    words: &mut Vec<u32>,
+    face: &ReliefFace,
+    (place, distance): (MapPlace, Option<u32>),
+    anchor: DVec3,
+) {
     let (frame, map) = (face.lattice_frame(), face.relief().heights());
     let by_row = frame.lattice_from_world.transpose();
     [by_row.x_axis, by_row.y_axis, by_row.z_axis].into_iter().for_each(|row| words.vector(row));
@@ -185,7 +193,7 @@ pub(crate) fn write_face(words: &mut Vec<u32>, face: &ReliefFace, place: MapPlac
     words.push(flags.into_iter().zip(0..).map(|(flag, bit)| u32::from(flag) << bit).sum());
     words.extend([map.width(), map.height(), map.x().cells(), map.y().cells()]);
     words.extend(unfolding(map.x()));
-    words.extend([place.heights, place.bounds, levels(map), 0]);
+    words.extend([place.heights, place.bounds, levels(map), distance.unwrap_or(NOTHING)]);
 }
 
 /// A surface of the world, or what an instance shows.
@@ -245,38 +253,28 @@ fn unfolding(axis: &Axis) -> [u32; 2] {
 }
 
 /// Levels of the pyramid of a map.
-fn levels(map: &HeightMap) -> u32 {
+pub(crate) fn levels(map: &HeightMap) -> u32 {
     let cells = map.x().cells().max(map.y().cells());
     (0..).find(|level| cells.div_ceil(16 << (2 * level)) == 1).unwrap_or(0) + 1
 }
 
-/// Appends the samples of a map, two codes a word; returns the place of the first.
-pub(crate) fn write_heights(words: &mut Vec<u32>, map: &HeightMap) -> u32 {
-    let at = words.len() as u32;
-    match map.samples() {
-        Samples::U16(codes) => words.extend(codes.chunks(2).map(pair)),
-        Samples::F32(heights) => words.extend(heights.iter().map(|h| h.to_bits())),
-    }
-    at
-}
-
-/// Appends the table and the bounds of a pyramid in the default layout; returns the place of the table.
-/// None for another layout.
-pub(crate) fn write_bounds(words: &mut Vec<u32>, pyramid: &Pyramid) -> Option<u32> {
+/// Appends the table and the bounds of a pyramid in the default layout, as they lie from word `first` on. False,
+/// and nothing of use, for another layout.
+pub(crate) fn write_bounds(words: &mut Vec<u32>, first: u32, pyramid: &Pyramid) -> bool {
     let at = words.len();
     let levels = pyramid.levels() as usize;
     words.resize(at + levels * LEVEL_WORDS, 0);
     for level in 0..levels {
         let stored = pyramid.level(level as u32);
-        let LevelBounds::Wide { max, min } = &stored.bounds else { return None };
+        let LevelBounds::Wide { max, min } = &stored.bounds else { return false };
         let table = at + level * LEVEL_WORDS;
         words[table] = stored.nodes[0];
         for (side, bounds) in [max, min].into_iter().enumerate() {
-            words[table + 1 + side] = words.len() as u32;
+            words[table + 1 + side] = first + (words.len() - at) as u32;
             words.extend(bounds.as_flattened().chunks(2).map(pair));
         }
     }
-    Some(at as u32)
+    true
 }
 
 /// One or two codes in a word, the first in the low half.
@@ -313,18 +311,14 @@ mod tests {
     }
 
     #[test]
-    fn maps_are_written_in_words() {
+    fn bounds_are_written_in_words() {
         let samples = Samples::U16((0..35).collect());
         let map = HeightMap::new(7, 5, samples, Lattice::Vertex, Wrap::Clamp).unwrap();
         let mut words = vec![9];
-        assert_eq!(write_heights(&mut words, &map), 1);
-        assert_eq!((words[1], words[17], words.len()), (1 << 16, (33 << 16) | 32, 19));
-        assert_eq!(words[18], 34);
-        let mut words = Vec::new();
-        assert_eq!(write_bounds(&mut words, &Pyramid::build(&map)), Some(0));
-        assert_eq!((words[..3].to_vec(), words.len()), (vec![1, 3, 11], 19));
+        assert!(write_bounds(&mut words, 7, &Pyramid::build(&map)));
+        assert_eq!((words[..4].to_vec(), words.len()), (vec![9, 1, 10, 18], 20));
         assert_eq!(levels(&map), 1);
-        assert_eq!(write_bounds(&mut words, &Pyramid::build_as(&map, Layout::Tiny)), None);
+        assert!(!write_bounds(&mut words, 0, &Pyramid::build_as(&map, Layout::Tiny)));
     }
 
     #[test]

@@ -1,8 +1,109 @@
 //! The shaders, in one text for each entry point: WGSL has no modules, so files are joined here. Each
-//! file is the twin of the CPU's module of its name.
+//! file is the twin of the CPU's module of its name. How the words of maps are bound is written here, for
+//! they lie in one buffer or in several.
 
-/// The nearest hit of many rays.
-pub(crate) const CLOSEST: &str = concat!(
+use crate::pages::Pages;
+
+/// Group of the words of bounds.
+const BOUNDS: (&str, u32) = ("bound", 1);
+/// Group of the words of heights.
+const HEIGHTS: (&str, u32) = ("height", 2);
+
+/// Which kinds of walk the faces of a world ask for. A kernel holds these and no others: each takes drivers seconds
+/// to compile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Walks {
+    /// By bounds.
+    pub bounds: bool,
+    /// By safe distances.
+    pub distances: bool,
+    /// As the paper has it.
+    pub published: bool,
+}
+
+/// The nearest hit of many rays, by these walks, with heights and bounds that are cut into these pages.
+pub(crate) fn closest(walks: Walks, [heights, bounds]: [Pages; 2]) -> String {
+    let maps = [words(BOUNDS, bounds, false), words(HEIGHTS, heights, false)];
+    [CLOSEST, &walks.text(), &maps.concat()].concat()
+}
+
+impl Walks {
+    /// The functions by which `shaders/trace.wgsl` walks the face at hand.
+    fn text(self) -> String {
+        let no_distance = "faces[face].distance == NOTHING";
+        let by_bounds = "return walk_pyramid(tile, admitted());";
+        let by_distance = "return walk_distance(tile, larger(begin, tile.enter), \
+                           smaller(end, tile.leave), admitted());";
+        let walk = match (self.bounds, self.distances) {
+            (true, true) => format!("if {no_distance} {{ {by_bounds} }} {by_distance}"),
+            (true, false) => by_bounds.to_owned(),
+            (false, true) => by_distance.to_owned(),
+            (false, false) => "return no_hit();".to_owned(),
+        };
+        let [meets, meet] = match (self.published, self.bounds || self.distances) {
+            (false, _) => ["return false;", "var hit: Hit; hit.surface = NOTHING; return hit;"],
+            (true, false) => ["return true;", "return meet_published(t_max, number);"],
+            (true, true) => [
+                "if faces[face].distance == NOTHING { return false; } \
+                 return bound_word(faces[face].distance) == PUBLISHED;",
+                "return meet_published(t_max, number);",
+            ],
+        };
+        format!(
+            "fn walk_tile(tile: Tile, begin: f32, end: f32) -> LeafHit {{ {walk} }}\n\
+             fn meets_points() -> bool {{ {meets} }}\n\
+             fn meet_points(t_max: Double, number: u32) -> Hit {{ {meet} }}\n"
+        )
+    }
+}
+
+/// Building pyramids.
+pub(crate) fn pyramid([heights, bounds]: [Pages; 2]) -> String {
+    let maps = [words(BOUNDS, bounds, true), words(HEIGHTS, heights, false)];
+    PYRAMID.to_owned() + &maps.concat()
+}
+
+/// Bindings of words in a group, and `<name>_word` that reads one; `set_<name>_word` where they may be written.
+fn words((name, group): (&str, u32), pages: Pages, writable: bool) -> String {
+    let access = if writable { "read_write" } else { "read" };
+    let mut text = String::new();
+    for page in 0..pages.count {
+        text += &format!(
+            "@group({group}) @binding({page}) var<storage, {access}> {name}_{page}: array<u32>;\n"
+        );
+    }
+    let mask = (1u32 << pages.shift) - 1;
+    // The last page answers for all that are not there.
+    let choose = |each: &dyn Fn(u32, &str) -> String| {
+        if pages.count == 1 {
+            return each(0, "at");
+        }
+        let inner = format!("at & {mask}u");
+        let cases =
+            (0..pages.count - 1).map(|page| format!("case {page}u: {{ {} }} ", each(page, &inner)));
+        let last = each(pages.count - 1, &inner);
+        format!(
+            "switch at >> {}u {{ {}default: {{ {last} }} }}",
+            pages.shift,
+            cases.collect::<String>()
+        )
+    };
+    let read = choose(&|page, place| format!("return {name}_{page}[{place}];"));
+    text += &format!("fn {name}_word(at: u32) -> u32 {{ {read} }}\n");
+    if writable {
+        let write = choose(&|page, place| format!("{name}_{page}[{place}] = word;"));
+        text += &format!("fn set_{name}_word(at: u32, word: u32) {{ {write} }}\n");
+    }
+    text
+}
+
+const PYRAMID: &str = concat!(
+    include_str!("shaders/float.wgsl"),
+    include_str!("shaders/double.wgsl"),
+    include_str!("shaders/pyramid.wgsl"),
+);
+
+const CLOSEST: &str = concat!(
     include_str!("shaders/params.wgsl"),
     include_str!("shaders/float.wgsl"),
     include_str!("shaders/double.wgsl"),
@@ -12,6 +113,8 @@ pub(crate) const CLOSEST: &str = concat!(
     include_str!("shaders/refine.wgsl"),
     include_str!("shaders/tile.wgsl"),
     include_str!("shaders/walk.wgsl"),
+    include_str!("shaders/distance.wgsl"),
+    include_str!("shaders/published.wgsl"),
     include_str!("shaders/walls.wgsl"),
     include_str!("shaders/trace.wgsl"),
     include_str!("shaders/triangle.wgsl"),
@@ -41,15 +144,32 @@ mod tests {
         module
     }
 
+    const ONE: Pages = Pages { count: 1, shift: 31 };
+    const THREE: Pages = Pages { count: 3, shift: 25 };
+
     #[test]
     fn shaders_are_valid_without_optional_features() {
-        let module = validated(CLOSEST);
-        assert_eq!(module.entry_points.len(), 1);
+        for pages in [[ONE, ONE], [THREE, ONE], [ONE, THREE]] {
+            for walks in 0..8 {
+                let [bounds, distances, published] = [1, 2, 4].map(|bit| walks & bit != 0);
+                let walks = Walks { bounds, distances, published };
+                assert_eq!(validated(&closest(walks, pages)).entry_points.len(), 1);
+            }
+            assert_eq!(validated(&pyramid(pages)).entry_points.len(), 2);
+        }
     }
 
     #[test]
     fn structs_take_the_bytes_that_are_written() {
-        let module = validated(CLOSEST);
+        let module = validated(&closest(Walks::default(), [ONE, ONE]));
+        let span = |module: &naga::Module, name: &str| {
+            module.types.iter().find_map(|(_, ty)| match &ty.inner {
+                naga::TypeInner::Struct { span, .. } if ty.name.as_deref() == Some(name) => {
+                    Some(*span as usize)
+                }
+                _ => None,
+            })
+        };
         for (name, words) in [
             ("Ray", records::RAY_WORDS),
             ("Hit", records::HIT_WORDS),
@@ -57,13 +177,9 @@ mod tests {
             ("Surface", records::SURFACE_WORDS),
             ("Node", records::NODE_WORDS),
         ] {
-            let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
-                naga::TypeInner::Struct { span, .. } if ty.name.as_deref() == Some(name) => {
-                    Some(*span as usize)
-                }
-                _ => None,
-            });
-            assert_eq!(found, Some(4 * words), "{name}");
+            assert_eq!(span(&module, name), Some(4 * words), "{name}");
         }
+        let tasks = validated(&pyramid([ONE, ONE]));
+        assert_eq!(span(&tasks, "Task"), Some(4 * records::TASK_WORDS));
     }
 }

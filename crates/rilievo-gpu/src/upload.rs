@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use rilievo::accel::{Aabb, Bvh, BvhNode};
 use rilievo::glam::{DAffine3, DMat3, DVec3};
-use rilievo::map::{Layout, Pyramid};
 use rilievo::mesh::Mesh;
-use rilievo::relief::ReliefFace;
+use rilievo::relief::{Method, ReliefFace};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 
 use crate::error::GpuError;
+use crate::maps::MapPlan;
 use crate::records::{
-    self, FACE_WORDS, MapPlace, NODE_WORDS, SURFACE_WORDS, SurfaceRecord, TRIANGLE_WORDS, Words,
+    self, FACE_WORDS, NODE_WORDS, SURFACE_WORDS, SurfaceRecord, TRIANGLE_WORDS, Words,
 };
 
 /// Levels of two trees, one below the other, that the stack of `shaders/world.wgsl` holds.
@@ -24,28 +24,26 @@ const LARGEST_DEPTH: u32 = 126;
 /// Triangles in a leaf of a mesh.
 const LEAF_TRIANGLES: u32 = 4;
 
-/// The buffers of a world, in words.
+/// The buffers of a world, in words, and where its maps are to lie.
 #[derive(Default)]
-pub(crate) struct Upload {
+pub(crate) struct Upload<'a> {
     pub faces: Vec<u32>,
-    pub heights: Vec<u32>,
-    pub bounds: Vec<u32>,
+    pub maps: MapPlan<'a>,
     pub surfaces: Vec<u32>,
     pub nodes: Vec<u32>,
     pub numbers: Vec<u32>,
     /// Levels of the tree over the surfaces and of the deepest one below it.
     levels: [u32; 2],
-    maps: HashMap<usize, MapPlace>,
     /// What instances show, by address.
     prototypes: HashMap<usize, SurfaceRecord>,
 }
 
-impl Upload {
+impl<'a> Upload<'a> {
     /// The surfaces of a world, in coordinates relative to `anchor`.
     ///
     /// # Errors
     /// [`GpuError::Unsupported`] for a surface that no shader knows.
-    pub fn new(world: &World, anchor: DVec3) -> Result<Self, GpuError> {
+    pub fn new(world: &'a World, anchor: DVec3) -> Result<Self, GpuError> {
         let mut upload = Self::default();
         let surfaces = world.surfaces();
         let boxes: Vec<Aabb> = surfaces.iter().map(Surface::bounds).collect();
@@ -71,13 +69,15 @@ impl Upload {
         self.levels[0] == 0
     }
 
-    fn surface(&mut self, surface: &Surface, anchor: DVec3) -> Result<SurfaceRecord, GpuError> {
+    fn surface(&mut self, surface: &'a Surface, anchor: DVec3) -> Result<SurfaceRecord, GpuError> {
         match surface {
             Surface::Quad(quad) => Ok(self.quad(quad, anchor)),
             Surface::Sphere(sphere) => Ok(self.sphere(sphere, anchor)),
             Surface::Mesh(mesh) => Ok(self.mesh(mesh, anchor)),
-            Surface::Face(face) if face.options().method.is_exact() => Ok(self.face(face, anchor)),
-            Surface::Face(face) => unsupported(&format!("method {}", face.options().method)),
+            Surface::Face(face) => match face.options().method {
+                Method::March => unsupported("method march"),
+                _ => Ok(self.face(face, anchor)),
+            },
             Surface::ReliefSphere(_) => unsupported("a displaced sphere"),
             Surface::ReliefMesh(_) => unsupported("a displaced mesh"),
             Surface::Instance(_) => unsupported("an instance of an instance"),
@@ -85,7 +85,11 @@ impl Upload {
         }
     }
 
-    fn instance(&mut self, instance: &Instance, anchor: DVec3) -> Result<SurfaceRecord, GpuError> {
+    fn instance(
+        &mut self,
+        instance: &'a Instance,
+        anchor: DVec3,
+    ) -> Result<SurfaceRecord, GpuError> {
         let prototype = instance.prototype();
         let address = Arc::as_ptr(prototype).addr();
         let shown = match self.prototypes.get(&address) {
@@ -105,28 +109,13 @@ impl Upload {
         Ok(shown.shown_at(transform))
     }
 
-    fn face(&mut self, face: &ReliefFace, anchor: DVec3) -> SurfaceRecord {
-        let place = self.map(face);
-        let number = (self.faces.len() / FACE_WORDS) as u32;
-        records::write_face(&mut self.faces, face, place, anchor);
-        SurfaceRecord::face(number)
-    }
-
-    /// Where the map of a face lies; each is written once.
-    fn map(&mut self, face: &ReliefFace) -> MapPlace {
-        let Self { heights, bounds, maps, .. } = self;
+    fn face(&mut self, face: &'a ReliefFace, anchor: DVec3) -> SurfaceRecord {
         let relief = face.relief();
-        *maps.entry(Arc::as_ptr(relief).addr()).or_insert_with(|| {
-            let map = relief.heights();
-            // Hits do not depend on the layout.
-            let written = records::write_bounds(bounds, relief.pyramid()).or_else(|| {
-                records::write_bounds(bounds, &Pyramid::build_as(map, Layout::Default))
-            });
-            MapPlace {
-                heights: records::write_heights(heights, map),
-                bounds: written.unwrap_or_default(),
-            }
-        })
+        let place = self.maps.place(relief);
+        let distance = self.maps.place_distance(relief, face.options().method);
+        let number = (self.faces.len() / FACE_WORDS) as u32;
+        records::write_face(&mut self.faces, face, (place, distance), anchor);
+        SurfaceRecord::face(number)
     }
 
     fn sphere(&mut self, sphere: &Sphere, anchor: DVec3) -> SurfaceRecord {

@@ -1,10 +1,12 @@
 //! [`GpuWorld`]: surfaces on a GPU, ready to trace.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use rilievo::glam::DVec3;
+use rilievo::relief::Relief;
 use rilievo::surface::{Surface, World};
 use rilievo::{Hit, Ray};
 use rilievo_render::Traced;
@@ -12,11 +14,12 @@ use wgpu::BufferUsages;
 
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::maps::Maps;
 use crate::records::{self, HIT_WORDS, HitRecord, RAY_WORDS};
 use crate::upload::Upload;
 
 /// Rays uploaded at once.
-const BATCH: usize = 1 << 20;
+pub(crate) const BATCH: usize = 1 << 20;
 
 /// Rays of the first dispatch.
 const FIRST_DISPATCH: u32 = 1 << 14;
@@ -35,10 +38,23 @@ pub struct GpuWorld<'a> {
     anchor: DVec3,
     /// How many can be hit at all; none where the tree is empty.
     surfaces: u32,
-    buffers: [wgpu::Buffer; 6],
+    maps: Maps,
+    buffers: [wgpu::Buffer; 4],
     params: wgpu::Buffer,
     /// Rays of the next dispatch; follows the time that dispatches take.
     dispatch: AtomicU32,
+}
+
+/// Heights and bounds on a GPU, of the maps of a world.
+pub struct GpuMaps(Maps);
+
+/// An edit of a map that a [`GpuWorld`] holds.
+#[derive(Clone, Debug)]
+pub struct MapEdit<'a> {
+    /// The relief after the edit.
+    pub relief: &'a Relief,
+    /// Columns and rows of the samples that may have changed.
+    pub samples: [Range<u32>; 2],
 }
 
 impl<'a> GpuWorld<'a> {
@@ -48,30 +64,59 @@ impl<'a> GpuWorld<'a> {
     /// [`GpuError::Unsupported`] for a displaced sphere or mesh and for a method that is not exact; otherwise as the
     /// device says.
     pub fn new(gpu: &'a Gpu, world: &'a World) -> Result<Self, GpuError> {
-        let bounds = world.bounds();
-        let anchor = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
+        let anchor = anchor_of(world);
         let words = Upload::new(world, anchor)?;
-        let surfaces = if words.is_empty() { 0 } else { world.surfaces().len() as u32 };
-        let upload =
-            |what, words: &Vec<u32>| gpu.upload(what, bytemuck::cast_slice(words.as_slice()));
-        let buffers = [
-            upload("displaced faces", &words.faces)?,
-            upload("height maps", &words.heights)?,
-            upload("bounds", &words.bounds)?,
-            upload("surfaces", &words.surfaces)?,
-            upload("trees", &words.nodes)?,
-            upload("triangles", &words.numbers)?,
-        ];
+        let maps = Maps::new(gpu, &words.maps)?;
+        Self::assemble(gpu, (world, anchor), &words, maps)
+    }
+
+    fn assemble(
+        gpu: &'a Gpu,
+        (world, anchor): (&'a World, DVec3),
+        words: &Upload<'_>,
+        maps: Maps,
+    ) -> Result<Self, GpuError> {
         let params = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         Ok(Self {
             gpu,
             world,
             anchor,
-            surfaces,
-            buffers,
+            surfaces: if words.is_empty() { 0 } else { world.surfaces().len() as u32 },
+            maps,
+            buffers: records(gpu, words)?,
             params: gpu.allocate("parameters", 16, params)?,
             dispatch: AtomicU32::new(FIRST_DISPATCH),
         })
+    }
+
+    /// The maps alone, for a world after edits of them: they hold nothing of this one.
+    pub fn into_maps(self) -> GpuMaps {
+        GpuMaps(self.maps)
+    }
+
+    /// The surfaces of a world whose maps differ from `maps`, which lie on this GPU, in what `edits` name alone: only
+    /// that is brought over and made anew. All other surfaces may differ. If there are other maps, or maps of another
+    /// size, everything is brought over.
+    ///
+    /// # Errors
+    /// As [`GpuWorld::new`].
+    pub fn edited(
+        gpu: &'a Gpu,
+        world: &'a World,
+        GpuMaps(mut maps): GpuMaps,
+        edits: &[MapEdit<'_>],
+    ) -> Result<Self, GpuError> {
+        let anchor = anchor_of(world);
+        let words = Upload::new(world, anchor)?;
+        if !maps.fits(&words.maps) {
+            return Self::new(gpu, world);
+        }
+        let number = |edit: &MapEdit<'_>| {
+            words.maps.number(edit.relief).map(|number| (number, edit.samples.clone()))
+        };
+        let edits: Vec<_> = edits.iter().filter_map(number).collect();
+        maps.edit(gpu, &words.maps, &edits)?;
+        Self::assemble(gpu, (world, anchor), &words, maps)
     }
 
     /// The nearest hit of every ray within `0 <= t <= ray.t_max`, in order. `ray.from`, if any, names a
@@ -113,24 +158,13 @@ impl<'a> GpuWorld<'a> {
         let bytes = (rays.len() * HIT_WORDS * 4) as u64;
         let hits = gpu.allocate("hits", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = gpu.allocate("hits", bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
-        let own = [&self.params, &rays_buffer, &hits];
-        let entries: Vec<_> = (0..)
-            .zip(own.into_iter().chain(&self.buffers))
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("closest"),
-            layout: &gpu.closest.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let pipeline = gpu.pipeline(self.maps.closest(), self.maps.pages());
+        let groups = self.groups(&pipeline, &rays_buffer, &hits);
         let count = rays.len() as u32;
         let mut first = 0;
         while first < count {
             let end = count.min(first + self.dispatch.load(Ordering::Relaxed));
-            self.dispatch(&group, first..end)?;
+            self.dispatch(&pipeline, &groups, first..end)?;
             first = end;
         }
         let mut commands = gpu.device.create_command_encoder(&Default::default());
@@ -140,19 +174,63 @@ impl<'a> GpuWorld<'a> {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
+    /// What the kernel binds, for rays and hits in these buffers.
+    pub(crate) fn groups(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        rays: &wgpu::Buffer,
+        hits: &wgpu::Buffer,
+    ) -> Vec<wgpu::BindGroup> {
+        let own = [&self.params, rays, hits];
+        let entries: Vec<_> = (0..)
+            .zip(own.into_iter().chain(&self.buffers))
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let mut groups = vec![self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("closest"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        })];
+        groups.extend(self.maps.groups(self.gpu, pipeline));
+        groups
+    }
+
+    /// Tells the next dispatch its rays.
+    pub(crate) fn set_params(&self, rays: Range<u32>) {
+        let params = [0, rays.start, rays.end, self.surfaces];
+        self.gpu.queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
+    }
+
+    pub(crate) fn gpu(&self) -> &Gpu {
+        self.gpu
+    }
+
+    pub(crate) fn anchor(&self) -> DVec3 {
+        self.anchor
+    }
+
+    pub(crate) fn maps(&self) -> &Maps {
+        &self.maps
+    }
+
     /// Traces some of the rays and waits for them; the next dispatch is as long as the time says.
     fn dispatch(
         &self,
-        group: &wgpu::BindGroup,
-        rays: std::ops::Range<u32>,
+        pipeline: &wgpu::ComputePipeline,
+        groups: &[wgpu::BindGroup],
+        rays: Range<u32>,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu;
-        let params = [0, rays.start, rays.end, self.surfaces];
-        gpu.queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
+        self.set_params(rays.clone());
         let mut commands = gpu.device.create_command_encoder(&Default::default());
         let mut pass = commands.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&gpu.closest);
-        pass.set_bind_group(0, group, &[]);
+        pass.set_pipeline(pipeline);
+        for (index, group) in (0..).zip(groups) {
+            pass.set_bind_group(index, group, &[]);
+        }
         pass.dispatch_workgroups((rays.end - rays.start).div_ceil(64), 1, 1);
         drop(pass);
         let begin = Instant::now();
@@ -168,6 +246,23 @@ impl<'a> GpuWorld<'a> {
         }
         Ok(())
     }
+}
+
+/// The point that coordinates on the device count from.
+fn anchor_of(world: &World) -> DVec3 {
+    let bounds = world.bounds();
+    if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() }
+}
+
+/// Buffers of all that is not a map.
+fn records(gpu: &Gpu, words: &Upload<'_>) -> Result<[wgpu::Buffer; 4], GpuError> {
+    let upload = |what, words: &Vec<u32>| gpu.upload(what, bytemuck::cast_slice(words.as_slice()));
+    Ok([
+        upload("displaced faces", &words.faces)?,
+        upload("surfaces", &words.surfaces)?,
+        upload("trees", &words.nodes)?,
+        upload("triangles", &words.numbers)?,
+    ])
 }
 
 /// The hit on the surface that a record names.

@@ -5,14 +5,16 @@ use std::io::Write;
 use std::sync::Arc;
 
 use rilievo::glam::{DAffine3, DQuat, DVec3};
-use rilievo::relief::Method;
+use rilievo::map::{Layout, RowMut};
+use rilievo::relief::{Method, Relief};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 use rilievo::{Hit, Ray};
-use rilievo_gpu::{Gpu, GpuError, GpuWorld};
+use rilievo_gpu::{Gpu, GpuError, GpuWorld, MapEdit};
 use rilievo_tests::kernel;
 use rilievo_tests::meshes::Base;
 use rilievo_tests::nudge::nudged;
 use rilievo_tests::random::Random;
+use rilievo_tests::rays::Family;
 use rilievo_tests::scenes;
 
 /// Largest distance between two answers that count as one, for worlds of size 10.
@@ -100,6 +102,56 @@ fn hits_in_whole_worlds_are_those_of_the_cpu() {
     }
     let _ = writeln!(std::io::stderr(), "{count} rays, {hits} spawned, {nudges} excused");
     assert!(hits > 1000 && nudges * 100 < count, "{hits} hits, {nudges} excused");
+}
+
+#[test]
+fn after_an_edit_hits_are_those_of_a_new_world() {
+    let Some(gpu) = gpu() else { return };
+    let mut random = Random::new(&[8]);
+    let scene = scenes::named("fbm 64");
+    let mut relief = kernel::relief(&scene, Method::Pyramid, Layout::Default);
+    let face = |relief: &Arc<Relief>| {
+        let face = kernel::face(&scene, Method::Pyramid);
+        World::new(vec![face.with_relief(Arc::clone(relief)).unwrap().into()])
+    };
+    let oracle = scene.oracle();
+    let rays: Vec<Ray> = (0..600).map(|_| Family::ALL[0].ray(&oracle, &mut random)).collect();
+    let first = face(&relief);
+    let mut maps = GpuWorld::new(&gpu, &first).unwrap().into_maps();
+    drop(first);
+    let mut changed = 0;
+    for k in 0..4 {
+        let rect = [k * 13..k * 13 + 17, 5..40 + k];
+        let before: Vec<_> = {
+            let world = face(&relief);
+            rays.iter().map(|ray| world.closest(ray, &mut ())).collect()
+        };
+        let mine = Arc::get_mut(&mut relief).expect("no face holds it");
+        mine.edit(rect.clone(), |_, row| match row {
+            RowMut::U16(row) => row.iter_mut().for_each(|h| *h = (*h / 2).wrapping_add(k as u16)),
+            RowMut::F32(row) => row.iter_mut().for_each(|h| *h *= 0.4),
+        })
+        .unwrap();
+        let after = face(&relief);
+        let edit = MapEdit { relief: &relief, samples: rect };
+        let on_gpu = GpuWorld::edited(&gpu, &after, maps, &[edit]).unwrap();
+        let found = on_gpu.closest(&rays).unwrap();
+        let fresh = GpuWorld::new(&gpu, &after).unwrap().closest(&rays).unwrap();
+        for ((a, b), before) in found.iter().zip(&fresh).zip(&before) {
+            assert_eq!(a.hit, b.hit);
+            changed += u32::from(a.hit.map(|hit| hit.t) != before.map(|hit| hit.t));
+        }
+        maps = on_gpu.into_maps();
+    }
+    assert!(changed > 100, "{changed}");
+    // Another map altogether.
+    let other = World::new(vec![kernel::face(&scenes::named("spike 80"), Method::Pyramid).into()]);
+    let on_gpu = GpuWorld::edited(&gpu, &other, maps, &[]).unwrap();
+    let fresh = GpuWorld::new(&gpu, &other).unwrap();
+    let hits = |world: &GpuWorld<'_>| -> Vec<_> {
+        world.closest(&rays).unwrap().iter().map(|traced| traced.hit).collect()
+    };
+    assert_eq!(hits(&on_gpu), hits(&fresh));
 }
 
 #[test]

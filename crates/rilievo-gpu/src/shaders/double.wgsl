@@ -2,6 +2,8 @@
 // [Dekker1971]. About 48 bits, the exponents of f32. It stands in for the f64 of the CPU, which
 // WGSL lacks, wherever a ray is prepared and a root refined.
 
+alias Double = vec2<f32>;
+
 fn double(x: f32) -> Double {
     return Double(x, 0.0);
 }

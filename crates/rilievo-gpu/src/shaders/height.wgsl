@@ -5,9 +5,9 @@
 fn raw(i: u32, j: u32) -> f32 {
     let at = j * faces[face].samples.x + i;
     if has(FLOATS) {
-        return bitcast<f32>(heights[faces[face].heights + at]);
+        return bitcast<f32>(height_word(faces[face].heights + at));
     }
-    let pair = heights[faces[face].heights + (at >> 1u)];
+    let pair = height_word(faces[face].heights + (at >> 1u));
     return f32(select(pair & 0xffffu, pair >> 16u, (at & 1u) == 1u));
 }
 

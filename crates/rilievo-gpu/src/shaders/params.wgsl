@@ -1,9 +1,6 @@
 // What a dispatch is told, and what it reads and writes. `records.rs` writes and reads the structs field
 // by field in this order.
 
-// A number as the sum of two floats, about 48 bits; see `double`.
-alias Double = vec2<f32>;
-
 struct Params {
     unused: u32,
     // First ray of this dispatch, and one past the last.
@@ -76,7 +73,8 @@ struct Face {
     heights: u32,
     bounds: u32,
     levels: u32,
-    unused: u32,
+    // Where its distance map is told of in `bounds`, or NOTHING.
+    distance: u32,
 }
 
 // A surface of the world.
@@ -125,8 +123,7 @@ const MIRROR: u32 = 2u;
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
 @group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
 @group(0) @binding(3) var<storage, read> faces: array<Face>;
-@group(0) @binding(4) var<storage, read> heights: array<u32>;
-@group(0) @binding(5) var<storage, read> bounds: array<u32>;
-@group(0) @binding(6) var<storage, read> surfaces: array<Surface>;
-@group(0) @binding(7) var<storage, read> nodes: array<Node>;
-@group(0) @binding(8) var<storage, read> numbers: array<u32>;
+@group(0) @binding(4) var<storage, read> surfaces: array<Surface>;
+@group(0) @binding(5) var<storage, read> nodes: array<Node>;
+@group(0) @binding(6) var<storage, read> numbers: array<u32>;
+// Bounds are group 1, heights group 2: `height_word` and `bound_word` are written by `shaders.rs`.

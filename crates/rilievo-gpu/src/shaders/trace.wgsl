@@ -43,7 +43,7 @@ fn walk_tiles(start: f32, stop: f32) -> Met {
     var cell = vec2<i32>(cell_at(0u, start), cell_at(1u, start));
     loop {
         let tile = tile_of(cell);
-        let hit = walk_pyramid(tile, admitted());
+        let hit = walk_tile(tile, start, stop);
         if hit.found {
             return Met(hit, 0u, 0);
         }
@@ -89,6 +89,9 @@ fn meet_face(source: Ray, t_max: Double, number: u32) -> Hit {
     hit.surface = NOTHING;
     if !prepare(source, t_max, number) {
         return hit;
+    }
+    if meets_points() {
+        return meet_points(t_max, number);
     }
     let met = first_met();
     if !met.hit.found {

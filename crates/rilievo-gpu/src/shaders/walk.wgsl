@@ -32,9 +32,9 @@ fn met(walk: Walk, level: u32, cell: vec2<i32>) -> u32 {
     }
     let at = vec2<u32>(node ^ walk.tile.turn);
     let table = faces[face].bounds + 3u * level;
-    let index = (at.y * bounds[table] + at.x) * 8u;
-    let upper = bounds[table + 1u] + index;
-    let lower = bounds[table + 2u] + index;
+    let index = (at.y * bound_word(table) + at.x) * 8u;
+    let upper = bound_word(table + 1u) + index;
+    let lower = bound_word(table + 2u) + index;
     let base_value = faces[face].code_base;
     let step_value = faces[face].code_step;
     let mirror = vec2<u32>(walk.tile.turn) & vec2<u32>(3u);
@@ -47,10 +47,10 @@ fn met(walk: Walk, level: u32, cell: vec2<i32>) -> u32 {
             continue;
         }
         let row = (y ^ mirror.y) * 2u;
-        let top = vec2<u32>(bounds[upper + row], bounds[upper + row + 1u]);
+        let top = vec2<u32>(bound_word(upper + row), bound_word(upper + row + 1u));
         var bottom = vec2<u32>(0u);
         if walk.both {
-            bottom = vec2<u32>(bounds[lower + row], bounds[lower + row + 1u]);
+            bottom = vec2<u32>(bound_word(lower + row), bound_word(lower + row + 1u));
         }
         for (var x = 0u; x < 4u; x++) {
             let near = larger(enter_row, lines_x[x]);

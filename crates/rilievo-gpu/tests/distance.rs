@@ -1,0 +1,103 @@
+//! Distance maps on a GPU: the exact methods beside the pyramid on the same GPU, bit for bit, and the paper's own
+//! beside the CPU's. Without an adapter nothing is tried, and stderr says so. `RILIEVO_RAYS` sets the rays a scene,
+//! `RILIEVO_STEP` = n takes every n-th of the scenes only.
+
+use std::io::Write;
+
+use rilievo::Ray;
+use rilievo::relief::Method;
+use rilievo::surface::{Surface, World};
+use rilievo_gpu::{Gpu, GpuWorld};
+use rilievo_render::Traced;
+use rilievo_tests::conformance::Plan;
+use rilievo_tests::kernel;
+use rilievo_tests::random::Random;
+use rilievo_tests::rays::Family;
+use rilievo_tests::scenes::{self, Scene};
+
+fn gpu() -> Option<Gpu> {
+    Gpu::open()
+        .map_err(|error| writeln!(std::io::stderr(), "SKIPPED, no distance was walked: {error}"))
+        .ok()
+}
+
+fn world(scene: &Scene, method: Method) -> World {
+    World::new(vec![Surface::from(kernel::face(scene, method))])
+}
+
+fn on_gpu(gpu: &Gpu, world: &World, rays: &[Ray]) -> Vec<Traced> {
+    GpuWorld::new(gpu, world).expect("a face can be traced").closest(rays).expect("traced")
+}
+
+/// Rays of all families at a scene, and rays that leave its surface.
+fn rays(plan: &Plan, scene: &Scene, exact: &World, index: u64) -> Vec<Ray> {
+    let oracle = scene.oracle();
+    let family = |k: u64| Family::ALL[(k % Family::ALL.len() as u64) as usize];
+    let ray = |k| family(k).ray(&oracle, &mut Random::new(&[plan.seed, index, k]));
+    let mut rays: Vec<Ray> = (0..plan.rays).map(ray).collect();
+    let mut random = Random::new(&[plan.seed, index, u64::MAX]);
+    let hits: Vec<_> = rays.iter().filter_map(|ray| exact.closest(ray, &mut ())).collect();
+    rays.extend(hits.iter().map(|hit| hit.spawn(random.direction())));
+    rays
+}
+
+fn steps_a_ray(found: &[Traced]) -> f64 {
+    found.iter().map(|traced| traced.work).sum::<u64>() as f64 / found.len().max(1) as f64
+}
+
+#[test]
+fn exact_walks_by_distance_hit_what_the_pyramid_hits_bit_for_bit() {
+    let Some(gpu) = gpu() else { return };
+    let plan = Plan::new(scenes::all().into_iter().step_by(3).collect(), 72);
+    let (mut count, mut hits) = (0, 0);
+    for (index, scene) in (0..).zip(&plan.scenes) {
+        let exact = world(scene, Method::Pyramid);
+        let rays = rays(&plan, scene, &exact, index);
+        let want = on_gpu(&gpu, &exact, &rays);
+        hits += want.iter().filter(|traced| traced.hit.is_some()).count();
+        for method in [Method::Distance, Method::DistanceCorrected] {
+            let found = on_gpu(&gpu, &world(scene, method), &rays);
+            for ((ray, want), found) in rays.iter().zip(&want).zip(&found) {
+                assert_eq!(found.hit, want.hit, "{}, {method}: {ray:?}", scene.name);
+            }
+            count += rays.len();
+        }
+    }
+    let _ = writeln!(std::io::stderr(), "{count} rays, none differs; {hits} hits a method");
+    assert!(hits * 4 > count / 2, "too few hits to mean anything");
+}
+
+#[test]
+fn the_published_method_misses_as_often_as_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let plan = Plan::new(scenes::all().into_iter().step_by(4).collect(), 144);
+    let (mut count, mut same, mut missed, mut steps) = (0, 0, [0, 0], 0.0);
+    for (index, scene) in (0..).zip(&plan.scenes) {
+        let exact = world(scene, Method::Pyramid);
+        let published = world(scene, Method::DistancePublished);
+        let rays = rays(&plan, scene, &exact, index);
+        let found = on_gpu(&gpu, &published, &rays);
+        steps += steps_a_ray(&found) * rays.len() as f64;
+        for (ray, found) in rays.iter().zip(&found) {
+            let cpu = published.closest(ray, &mut ());
+            let should = exact.closest(ray, &mut ()).is_some();
+            missed[0] += u64::from(should && cpu.is_none());
+            missed[1] += u64::from(should && found.hit.is_none());
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (1.0 + a.abs());
+            same += u64::from(match (cpu, found.hit) {
+                (None, None) => true,
+                (Some(a), Some(b)) => near(a.t, b.t) && a.front == b.front,
+                _ => false,
+            });
+            count += 1;
+        }
+    }
+    let [cpu, gpu] = missed;
+    let _ = writeln!(
+        std::io::stderr(),
+        "{count} rays: {cpu} missed on the CPU, {gpu} on the GPU, {same} alike, {:.1} steps a ray",
+        steps / f64::from(count as u32),
+    );
+    assert!(same * 100 >= count * 98, "{same} of {count} alike");
+    assert!(cpu.abs_diff(gpu) * 20 <= cpu.max(40), "{cpu} and {gpu} missed");
+}
