@@ -27,7 +27,11 @@ pub fn with_first_hits<T>(
 ) -> Result<(T, String), Failure> {
     let gpu = match args.backend {
         Backend::Cpu => None,
-        Backend::Gpu | Backend::Auto => unless_auto(args, Gpu::open())?,
+        Backend::Gpu | Backend::Auto => {
+            let levels = scene.settings().lod > 0.0;
+            let opened = if levels { Err(no_levels()) } else { Gpu::open() };
+            unless_auto(args, opened)?
+        }
     };
     let Some(gpu) = gpu else { return Ok((work(None)?, CPU.to_owned())) };
     let Some(world) = unless_auto(args, GpuWorld::new(&gpu, scene.world()))? else {
@@ -50,6 +54,11 @@ pub fn with_first_hits<T>(
     };
     let done = work(Some(&first_hits))?;
     Ok((done, gpu.name().to_owned()))
+}
+
+/// Levels of detail are the CPU's.
+fn no_levels() -> GpuError {
+    GpuError::Unsupported { what: "a scene with level of detail (lod above 0)".to_owned() }
 }
 
 /// What was made, or none and a note if it could not be and the CPU may take over.

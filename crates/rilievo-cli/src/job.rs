@@ -84,6 +84,7 @@ impl RenderJob {
             sampler: args.sampler.unwrap_or(settings.sampler),
             seed: args.seed.unwrap_or(settings.seed),
             clamp: args.clamp.unwrap_or(settings.clamp),
+            lod: args.lod.unwrap_or(settings.lod),
             ..settings
         };
         let mut scene = scene.with_settings(settings).map_err(Failure::refused)?;

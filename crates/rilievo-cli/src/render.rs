@@ -30,6 +30,8 @@ struct Report {
     map_bytes: u64,
     /// What was derived from height maps to trace or shade them.
     bounds_bytes: u64,
+    /// Coarser maps for level of detail, with all that belongs to them.
+    level_bytes: u64,
     /// Peak memory as `rilievo info` predicts it.
     predicted_bytes: u64,
     /// Peak memory of the process; null where the system does not tell.
@@ -115,6 +117,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
         rays: stats.rays.into(),
         map_bytes: job.memory.heights + job.memory.textures,
         bounds_bytes: job.memory.bounds,
+        level_bytes: job.memory.levels,
         predicted_bytes: job.predicted_bytes,
         peak_rss_bytes: peak_rss_bytes(),
         width,
@@ -192,9 +195,10 @@ impl Report {
         ));
         let peak = self.peak_rss_bytes.map_or("unknown".to_owned(), report::bytes);
         talk.line(format_args!(
-            "memory: maps {}, bounds {}, predicted {}, peak {peak}",
+            "memory: maps {}, bounds {}, {}predicted {}, peak {peak}",
             report::bytes(self.map_bytes),
             report::bytes(self.bounds_bytes),
+            report::levels(self.level_bytes),
             report::bytes(self.predicted_bytes)
         ));
         if self.refused_samples > 0 {

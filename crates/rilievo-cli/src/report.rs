@@ -47,6 +47,11 @@ pub fn bytes(count: u64) -> String {
     format!("{value:.1} {}", units[unit as usize - 1])
 }
 
+/// What level of detail holds, as a part of a list; nothing if there is none.
+pub fn levels(count: u64) -> String {
+    if count == 0 { String::new() } else { format!("levels of detail {}, ", bytes(count)) }
+}
+
 /// A span of time: `12 ms`, `3.4 s`, `5 min 20 s`, `2 h 5 min`.
 pub fn duration(seconds: f64) -> String {
     match seconds {

@@ -58,6 +58,7 @@ pub mod denoise;
 pub mod film;
 pub mod first_hits;
 pub mod integrator;
+mod level_of_detail;
 pub mod light;
 pub mod memory;
 mod pass;

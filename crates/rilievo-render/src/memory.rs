@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use rilievo::relief::ShadingNormals;
-use rilievo::surface::Surface;
+use rilievo::surface::{Surface, World};
 
 use crate::film::Film;
 use crate::integrator::Integrator;
@@ -23,6 +23,9 @@ pub struct MemoryUse {
     pub bounds: u64,
     /// Surfaces, meshes and the tree over them.
     pub geometry: u64,
+    /// Coarser maps for level of detail, with their bounds, what they lost, and the surfaces that show
+    /// them.
+    pub levels: u64,
     /// Texels; of images in tiles what their cache may hold.
     pub textures: u64,
     /// The image and its layers.
@@ -47,10 +50,19 @@ impl MemoryUse {
         let mut all = Self::default();
         let mut seen = HashSet::new();
         let mut first = |address: *const ()| seen.insert(address);
-        let surfaces = scene.world().surfaces();
-        all.geometry = size_of_val(surfaces) as u64 + TREE * surfaces.len() as u64;
-        for surface in surfaces {
-            all.add(surface, &mut first);
+        all.add_world(scene.world(), &mut first);
+        if let Some(levels) = scene.level_of_detail() {
+            let mut coarser = Self::default();
+            for level in levels.levels() {
+                coarser.add_world(&level.world, &mut first);
+                coarser.levels += level.list_bytes();
+                for (address, bytes) in level.lost_bytes() {
+                    if first(address) {
+                        coarser.levels += bytes;
+                    }
+                }
+            }
+            all.levels = coarser.total();
         }
         // Only paths have footprints, and ask for coarser images.
         let paths = scene.settings().integrator == Integrator::Path;
@@ -79,6 +91,15 @@ impl MemoryUse {
         let tile = Film::predicted_bytes([TILE; 2], options.aovs, sums);
         all.threads = thread_count(options.threads) as u64 * (STACK + tile);
         all
+    }
+
+    /// Adds what a world holds.
+    fn add_world(&mut self, world: &World, first: &mut impl FnMut(*const ()) -> bool) {
+        let surfaces = world.surfaces();
+        self.geometry += size_of_val(surfaces) as u64 + TREE * surfaces.len() as u64;
+        for surface in surfaces {
+            self.add(surface, first);
+        }
     }
 
     /// Adds what a surface holds; `first` says whether something shared was not met before.
@@ -140,6 +161,7 @@ impl MemoryUse {
 
     /// All bytes.
     pub fn total(&self) -> u64 {
-        self.heights + self.bounds + self.geometry + self.textures + self.film + self.threads
+        let held = self.heights + self.bounds + self.geometry + self.levels;
+        held + self.textures + self.film + self.threads
     }
 }

@@ -74,6 +74,12 @@ pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
         let out = studio.picture(&format!("{scene}.png"));
         render(studio, (scene, &out), &["--resolution", resolution])?;
     }
+    let resolution = if studio.quick { "64x64" } else { "640x320" };
+    for (out, flags) in [("sea", None), ("sea-lod", Some("--lod"))] {
+        let out = studio.picture(&format!("{out}.png"));
+        let flags: Vec<&str> = ["--resolution", resolution].into_iter().chain(flags).collect();
+        render(studio, ("sea", &out), &flags)?;
+    }
     studio.write("docs/gallery.md", "memory", &gallery.markdown())?;
     studio.write("README.md", "memory", &readme.markdown())
 }

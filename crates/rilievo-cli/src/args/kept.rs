@@ -17,7 +17,7 @@ struct Kept {
     set: fn(&mut RenderArgs, &str) -> Option<()>,
 }
 
-const KEPT: [Kept; 17] = [
+const KEPT: [Kept; 18] = [
     Kept {
         name: "samples",
         get: |a| shown(a.samples),
@@ -42,6 +42,11 @@ const KEPT: [Kept; 17] = [
         name: "clamp",
         get: |a| shown(a.clamp),
         set: |a, text| put(&mut a.clamp, value::clamp(text).ok()),
+    },
+    Kept {
+        name: "lod",
+        get: |a| shown(a.lod),
+        set: |a, text| put(&mut a.lod, value::lod(text).ok()),
     },
     Kept {
         name: "method",
@@ -192,7 +197,7 @@ mod tests {
     #[test]
     fn every_kept_flag_comes_back() {
         let flags = "--samples 64 --resolution 40x30 --integrator path --sampler jittered \
-            --clamp 2.5 --method dda --seed 18446744073709551615 --filter tent \
+            --clamp 2.5 --lod=2 --method dda --seed 18446744073709551615 --filter tent \
             --filter-radius 0.75 --aov P,Steps --exr half --tiles 32 --denoise=oidn \
             --pixel-centers --sample-range 3..9 --crop 1,2,30,20 --max-error 0.02";
         let kept = parsed(flags).kept();

@@ -52,6 +52,13 @@ pub struct RenderArgs {
     /// bright specks away, and light with them; 0 clamps nothing [default: the scene's].
     #[arg(long, value_name = "RADIANCE", value_parser = value::clamp, help_heading = SAMPLES)]
     pub clamp: Option<f64>,
+    /// Level of detail: how many pixels a camera ray stands for, 1 if no number is given. Reliefs far away
+    /// are traced in coarser maps, and shaded as rough as they are; 0 traces full maps [default: the scene's].
+    #[arg(
+        long, value_name = "PIXELS", value_parser = value::lod, num_args = 0..=1, require_equals = true,
+        default_missing_value = "1", help_heading = SAMPLES
+    )]
+    pub lod: Option<f64>,
     /// How rays are walked through every relief [default: each shape's own]. Distance maps that a
     /// method needs are built before rendering.
     #[arg(long, value_parser = value::method(), help_heading = WALK)]
@@ -181,6 +188,7 @@ Examples:
   rilievo render scene.toml -o out.exr --samples 64 --resolution 1280x800
   rilievo render scene.toml -o out.png --integrator path --sampler sobol --seed 7
   rilievo render scene.toml -o out.png --integrator path --clamp 10
+  rilievo render dem.tif -o terrain.png --samples 4 --lod
   rilievo render scene.toml -o out.png --layout tiny --simd portable --backend cpu
   rilievo render scene.toml -o out.png --threads 8 --max-memory 4G --quiet
   rilievo render scene.toml -o out.exr --aov P,N,Height

@@ -197,6 +197,14 @@ pub fn clamp(text: &str) -> Result<f64, String> {
     found.ok_or_else(|| "expected a number of at least 0, as 10".to_owned())
 }
 
+/// Pixels, or 0.
+pub fn lod(text: &str) -> Result<f64, String> {
+    let allowed = 0.0..=RenderSettings::MAX_LOD;
+    let found = text.parse().ok().filter(|pixels| allowed.contains(pixels));
+    found
+        .ok_or_else(|| format!("expected a number of pixels from 0 to {}", RenderSettings::MAX_LOD))
+}
+
 /// A relative error.
 pub fn max_error(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|error: &f64| error.is_finite() && *error > 0.0);

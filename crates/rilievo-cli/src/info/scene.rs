@@ -32,6 +32,7 @@ struct Report {
     sphere_maps: Vec<SphereMapReport>,
     map_bytes: u64,
     bounds_bytes: u64,
+    level_bytes: u64,
     film_bytes: u64,
     predicted_bytes: u64,
 }
@@ -133,6 +134,7 @@ impl Report {
             sphere_maps: sphere_maps.iter().map(SphereMapReport::from).collect(),
             map_bytes: memory.heights + memory.textures,
             bounds_bytes: memory.bounds,
+            level_bytes: memory.levels,
             film_bytes: memory.film,
             predicted_bytes: predicted_bytes(
                 &memory,
@@ -221,9 +223,10 @@ impl Report {
             ));
         }
         talk.line(format_args!(
-            "memory      maps {}, bounds {}, image {}; a render needs about {}",
+            "memory      maps {}, bounds {}, {}image {}; a render needs about {}",
             report::bytes(self.map_bytes),
             report::bytes(self.bounds_bytes),
+            report::levels(self.level_bytes),
             report::bytes(self.film_bytes),
             report::bytes(self.predicted_bytes)
         ));

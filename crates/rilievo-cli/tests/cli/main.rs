@@ -7,6 +7,7 @@ mod diff;
 #[cfg(unix)]
 mod killed;
 mod live;
+mod lod;
 mod maps;
 mod models;
 mod parts;

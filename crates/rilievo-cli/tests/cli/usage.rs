@@ -51,6 +51,7 @@ fn every_help_is_complete_and_ends_with_examples() {
         "--checkpoint",
         "--resume",
         "--clamp",
+        "--lod",
         "--sample-range",
         "--crop",
         "--max-error",

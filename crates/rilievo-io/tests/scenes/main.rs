@@ -176,6 +176,7 @@ fn every_key_arrives() {
         diffuse_samples: 2,
         max_depth: 1,
         clamp: 12.5,
+        lod: 0.5,
         seed: i64::MAX as u64,
         sampler: SamplerKind::Jittered,
         filter: Filter { kind: FilterKind::Tent, radius: 1.5 },

@@ -8,6 +8,7 @@ use super::Drawn;
 use super::albedo;
 use super::frame::Side;
 use super::fresnel::MetalFresnel;
+use super::lost_slopes::widened;
 use super::microfacet::{SMOOTH, reflection};
 use crate::colour::Rgb;
 use crate::sampler::warp;
@@ -31,7 +32,7 @@ impl MetalLobe {
             }
             Metal::Index { eta, k } => MetalFresnel::Index { eta: *eta, k: *k },
         };
-        let alpha = width(model.roughness.at(at));
+        let alpha = widened(width(model.roughness.at(at)), at.lost_slopes);
         let several = match model.compensated && alpha >= SMOOTH {
             true => several(fresnel.facing(), view.z, alpha),
             false => Rgb::ONE,

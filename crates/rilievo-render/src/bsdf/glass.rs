@@ -15,6 +15,7 @@ use super::albedo;
 use super::conductor::{reflected, width};
 use super::frame::Side;
 use super::fresnel::clear;
+use super::lost_slopes::widened;
 use super::microfacet::{SMOOTH, reflection, refraction, transmitted};
 use crate::colour::Rgb;
 use crate::sampler::warp;
@@ -39,7 +40,7 @@ const NO_INDEX: f64 = 1e-6;
 
 impl GlassLobes {
     pub(super) fn body(model: &Glass, at: &Footprint, (front, view): (bool, DVec3)) -> Self {
-        let alpha = width(model.roughness.at(at));
+        let alpha = widened(width(model.roughness.at(at)), at.lost_slopes);
         let mut lobes = Self::of_table(&model.table, model.colour.at(at), alpha, (front, view));
         if !model.compensated {
             lobes.several = 1.0;
@@ -61,7 +62,8 @@ impl GlassLobes {
     }
 
     pub(super) fn thin(model: &ThinGlass, at: &Footprint, view: DVec3) -> Self {
-        Self::sheet(model.ior, model.colour.at(at), width(model.roughness.at(at)), view)
+        let alpha = widened(width(model.roughness.at(at)), at.lost_slopes);
+        Self::sheet(model.ior, model.colour.at(at), alpha, view)
     }
 
     pub(super) fn sheet(eta: f64, colour: Rgb, alpha: f64, view: DVec3) -> Self {

@@ -11,7 +11,9 @@ use std::f64::consts::FRAC_1_PI;
 use glam::{DVec2, DVec3};
 
 use super::Drawn;
+use super::diffuse::OrenNayar;
 use super::frame::Side;
+use super::lost_slopes::{dulled, widened};
 use super::microfacet::reflected_pdf;
 use crate::colour::Rgb;
 use crate::sampler::warp;
@@ -23,6 +25,8 @@ use crate::texture::Footprint;
 pub(super) struct LambertGloss {
     diffuse: Rgb,
     reflective: Rgb,
+    /// In place of Lambert's, where slopes are lost.
+    rough: Option<OrenNayar>,
     /// GGX width; 0 for a mirror.
     alpha: f64,
     /// Probability of the reflective lobe.
@@ -30,12 +34,15 @@ pub(super) struct LambertGloss {
 }
 
 impl LambertGloss {
-    pub(super) fn new(material: &Material, at: &Footprint) -> Self {
+    pub(super) fn new(material: &Material, at: &Footprint, view: DVec3) -> Self {
         let diffuse = material.diffuse.mean(at);
         let reflective = material.reflective;
         let (dull, bright) = (diffuse.max_element(), reflective.max_element());
         let share = if bright > 0.0 { bright / (dull + bright) } else { 0.0 };
-        Self { diffuse, reflective, alpha: material.roughness * material.roughness, share }
+        let alpha = widened(material.roughness * material.roughness, at.lost_slopes);
+        let roughness = dulled(0.0, at.lost_slopes);
+        let rough = (roughness > 0.0).then(|| OrenNayar::new(diffuse, roughness, view));
+        Self { diffuse, reflective, rough, alpha, share }
     }
 
     pub(super) fn albedo(&self) -> Rgb {
@@ -52,6 +59,9 @@ impl LambertGloss {
         }
         let dull = side.light.z.max(0.0) * FRAC_1_PI;
         let (mut value, mut pdf) = (dull * self.diffuse, (1.0 - self.share) * dull);
+        if let Some(rough) = &self.rough {
+            value = rough.evaluate(view, side).0;
+        }
         if self.share > 0.0 && self.alpha > 0.0 {
             let gloss = side.folded(|light| reflected_pdf(view, light, self.alpha));
             value += gloss * self.reflective;

@@ -20,12 +20,14 @@ mod frame;
 mod fresnel;
 mod glass;
 mod lambert_gloss;
+mod lost_slopes;
 mod microfacet;
 mod part;
 mod principled;
 mod sheen;
 
 pub use albedo::GlassTable;
+pub(crate) use lost_slopes::widened;
 
 use glam::{DVec2, DVec3};
 use rilievo::Hit;
@@ -68,12 +70,16 @@ impl Bsdf {
     /// sample covers across the ray at the hit, in scene units; 0 where it is not known. Textures
     /// are averaged over it.
     pub fn new(material: &Material, hit: &Hit, view: DVec3, footprint: f64) -> Self {
-        let at = Footprint::of(hit, footprint);
-        let part = |material| Part::new(chosen(material, hit, &at), hit, view, &at);
+        Self::over(material, hit, view, &Footprint::of(hit, footprint))
+    }
+
+    /// [`Bsdf::new`] for all that is known of what a sample covers.
+    pub fn over(material: &Material, hit: &Hit, view: DVec3, at: &Footprint) -> Self {
+        let part = |material| Part::new(chosen(material, hit, at), hit, view, at);
         let Model::Mix(mix) = &material.model else {
-            return Self { first: Part::new(material, hit, view, &at), second: None };
+            return Self { first: Part::new(material, hit, view, at), second: None };
         };
-        let share = mix.share.at(&at).clamp(0.0, 1.0);
+        let share = mix.share.at(at).clamp(0.0, 1.0);
         match &mix.materials {
             [first, _] if share == 0.0 => Self { first: part(first), second: None },
             [_, second] if share == 1.0 => Self { first: part(second), second: None },

@@ -8,6 +8,7 @@ use super::diffuse::OrenNayar;
 use super::frame::{self, Frame, Side};
 use super::glass::GlassLobes;
 use super::lambert_gloss::LambertGloss;
+use super::lost_slopes::dulled;
 use super::principled::PrincipledLobes;
 use crate::colour::Rgb;
 use crate::sampler::warp;
@@ -55,10 +56,12 @@ impl Part {
         };
         let seen = (hit.front, frame.view);
         let lobes = match &material.model {
-            Model::Paper | Model::Mix(_) => Lobes::LambertGloss(LambertGloss::new(material, at)),
+            Model::Paper | Model::Mix(_) => {
+                Lobes::LambertGloss(LambertGloss::new(material, at, frame.view))
+            }
             Model::Diffuse(model) => {
                 let colour = model.colour.at(at).min(Rgb::ONE);
-                let roughness = model.roughness.at(at).clamp(0.0, 1.0);
+                let roughness = dulled(model.roughness.at(at).clamp(0.0, 1.0), at.lost_slopes);
                 Lobes::Diffuse(OrenNayar::new(colour, roughness, frame.view))
             }
             Model::Conductor(model) => Lobes::Metal(MetalLobe::new(model, at, frame.view)),

@@ -19,6 +19,7 @@ use super::diffuse::OrenNayar;
 use super::frame::Side;
 use super::fresnel::grazing;
 use super::glass::GlassLobes;
+use super::lost_slopes::{dulled, widened};
 use super::microfacet::reflection;
 use super::sheen::fibres;
 use crate::colour::Rgb;
@@ -78,7 +79,8 @@ impl PrincipledLobes {
         let mut coat = (unit(model.coat.at(at)), 0.0);
         let mut coat_all = 0.0;
         if coat.0 > 0.0 {
-            coat = (left * coat.0, width(model.coat_roughness.at(at)).max(NARROWEST));
+            let width = widened(width(model.coat_roughness.at(at)), at.lost_slopes);
+            coat = (left * coat.0, width.max(NARROWEST));
             let [a, b] = albedo::gloss(cosine, coat.1);
             coat_all = coat.0 * (COAT * a + b);
             left -= coat_all;
@@ -87,7 +89,7 @@ impl PrincipledLobes {
         let metal = unit(model.metallic.at(at));
         let clear = (1.0 - metal) * unit(model.transmission.at(at));
         let opaque = 1.0 - metal - clear;
-        let rough = width(model.roughness.at(at));
+        let rough = widened(width(model.roughness.at(at)), at.lost_slopes);
         let alpha = rough.max(NARROWEST);
         let [a, b] = albedo::gloss(cosine, alpha);
         let (mut facing, mut edge) = (Rgb::ZERO, Rgb::ZERO);
@@ -115,7 +117,8 @@ impl PrincipledLobes {
             };
             (left * clear, lobes)
         });
-        let diffuse = OrenNayar::new(under, unit(model.diffuse_roughness.at(at)), view);
+        let roughness = dulled(unit(model.diffuse_roughness.at(at)), at.lost_slopes);
+        let diffuse = OrenNayar::new(under, roughness, view);
 
         let gloss_all = facing * a + edge * b;
         let glass_all = glass.map_or(Rgb::ZERO, |(weight, lobes)| weight * lobes.albedo(view));

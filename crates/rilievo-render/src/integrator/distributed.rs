@@ -26,7 +26,9 @@ use glam::DVec3;
 use rilievo::{Hit, Ray};
 
 use super::RayCounts;
+use crate::bsdf::widened;
 use crate::colour::Rgb;
+use crate::level_of_detail::Detail;
 use crate::light::{Light, QuadLight, SphereLight};
 use crate::sampler::{Dimension, PixelTable, Strand, warp};
 use crate::scene::{Material, Scene};
@@ -79,6 +81,8 @@ impl Facing {
 /// Traces the trees of rays of one pixel.
 pub(super) struct Distributed<'a> {
     pub(super) scene: &'a Scene,
+    /// The world that is traced.
+    pub(super) detail: Detail<'a>,
     /// At that pixel.
     pub(super) table: &'a mut PixelTable,
     pub(super) rays: &'a mut RayCounts,
@@ -108,7 +112,8 @@ impl Distributed<'_> {
         }
         if split.reflection > 0 {
             let view = -ray.direction.normalize();
-            let alpha = material.roughness * material.roughness;
+            let lost = self.detail.lost_slopes(hit);
+            let alpha = widened(material.roughness * material.roughness, lost);
             let mirrored = self.reflection(hit, &facing, (view, alpha), (split, path));
             radiance += material.reflective * mirrored;
         }
@@ -164,7 +169,7 @@ impl Distributed<'_> {
             }
             let ray = hit.spawn(direction);
             self.rays.diffuse += 1;
-            let next = self.scene.world().closest(&ray, &mut ());
+            let next = self.detail.world.closest(&ray, &mut ());
             let strand = path.strand.split(split.reflection + branch, split.total());
             let path = Path { strand, depth: path.depth + 1, lit: true };
             sum += self.radiance(&ray, next.as_ref(), path);
@@ -205,7 +210,7 @@ impl Distributed<'_> {
             self.rays.shadow += 1;
             let way = hit.spawn(sample.position - hit.position);
             let ray = Ray { t_max: sample.clear, ..way };
-            let world = self.scene.world();
+            let world = self.detail.world;
             let hidden = match light {
                 // No other part of the light is in the way of what is seen of it.
                 Light::Quad(QuadLight { surface, .. })
@@ -248,7 +253,7 @@ impl Distributed<'_> {
             let reflected = 2.0 * view.dot(facet) * facet - view;
             let ray = hit.spawn(above(reflected, facing.geometric));
             self.rays.reflection += 1;
-            let next = self.scene.world().closest(&ray, &mut ());
+            let next = self.detail.world.closest(&ray, &mut ());
             let strand = path.strand.split(branch, split.total());
             let path = Path { strand, depth: path.depth + 1, lit: false };
             sum += self.radiance(&ray, next.as_ref(), path);

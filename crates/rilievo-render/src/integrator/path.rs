@@ -17,14 +17,17 @@
 //! material's business ([`Bsdf`]). Nothing recurses and nothing is allocated.
 
 use glam::DVec3;
+use rilievo::surface::World;
 use rilievo::{Hit, Ray};
 
 use super::RayCounts;
 use crate::bsdf::Bsdf;
 use crate::colour::Rgb;
-use crate::light::{Aim, Drawn, Lighting, Receiver};
+use crate::level_of_detail::Detail;
+use crate::light::{Aim, Drawn, LightSample, Lighting, Receiver};
 use crate::sampler::PathSampler;
 use crate::scene::Scene;
+use crate::texture::Footprint;
 
 /// Bounces before Russian roulette begins.
 const SAFE: u32 = 2;
@@ -62,15 +65,15 @@ impl<'a> PathTracer<'a> {
         Self { scene, lighting, spread, max_depth, chooses: lighting.chooses(), clamp }
     }
 
-    /// An estimate of the radiance that comes against a camera ray, given what it meets.
+    /// An estimate of the radiance that comes against a camera ray, given what it meets, in which world.
     pub(super) fn radiance(
         &self,
         ray: &Ray,
-        hit: Option<&Hit>,
+        (hit, detail): (Option<&Hit>, Detail<'_>),
         sampler: &mut PathSampler,
         rays: &mut RayCounts,
     ) -> Rgb {
-        let world = self.scene.world();
+        let world = detail.world;
         let mut radiance = Rgb::ZERO;
         let mut throughput = Rgb::ONE;
         let mut direction = ray.direction.normalize();
@@ -95,7 +98,11 @@ impl<'a> PathTracer<'a> {
                 break;
             }
             let view = -direction;
-            let bsdf = Bsdf::new(material, hit, view, self.spread * distance);
+            let at = Footprint {
+                lost_slopes: detail.lost_slopes(hit),
+                ..Footprint::of(hit, self.spread * distance)
+            };
+            let bsdf = Bsdf::over(material, hit, view, &at);
             let facing = if hit.front { hit.geometric_normal } else { -hit.geometric_normal };
             let both_sides = bsdf.transmits();
             let at = Receiver {
@@ -115,14 +122,14 @@ impl<'a> PathTracer<'a> {
                 // A flat quad or a sphere cannot light itself.
                 Some(Drawn::Point(sample, surface)) if surface != Some(hit.surface) => {
                     let (value, pdf) = bsdf.evaluate(sample.direction);
-                    if value != Rgb::ZERO && self.is_free(hit, &sample, surface, rays) {
+                    if value != Rgb::ZERO && self.is_free(world, hit, (&sample, surface), rays) {
                         let weight = if sample.pdf > 0.0 { power(sample.pdf, pdf) } else { 1.0 };
                         let brought = throughput * value * sample.weight * weight;
                         radiance += self.held(brought, depth + 1);
                     }
                 }
                 Some(Drawn::Aim(aim)) => {
-                    let brought = throughput * self.aimed((hit, &at), &bsdf, &aim, rays);
+                    let brought = throughput * self.aimed((world, hit, &at), &bsdf, &aim, rays);
                     radiance += self.held(brought, depth + 1);
                 }
                 _ => {}
@@ -152,14 +159,13 @@ impl<'a> PathTracer<'a> {
     #[inline]
     fn is_free(
         &self,
+        world: &World,
         hit: &Hit,
-        sample: &crate::light::LightSample,
-        surface: Option<u32>,
+        (sample, surface): (&LightSample, Option<u32>),
         rays: &mut RayCounts,
     ) -> bool {
         rays.shadow += 1;
         let ray = Ray { t_max: sample.clear, ..hit.spawn(sample.position - hit.position) };
-        let world = self.scene.world();
         !match surface {
             Some(surface) => world.occluded_before(&ray, surface, &mut ()),
             None => world.occluded(&ray, &mut ()),
@@ -169,7 +175,7 @@ impl<'a> PathTracer<'a> {
     /// What the emitter that a ray was aimed at sends back against the view.
     fn aimed(
         &self,
-        (hit, at): (&Hit, &Receiver),
+        (world, hit, at): (&World, &Hit, &Receiver),
         bsdf: &Bsdf,
         aim: &Aim,
         rays: &mut RayCounts,
@@ -180,7 +186,6 @@ impl<'a> PathTracer<'a> {
             return Rgb::ZERO;
         }
         rays.shadow += 1;
-        let world = self.scene.world();
         let Some(met) = world.closest(&aim.ray(hit), &mut ()).filter(|met| aim.finds(met)) else {
             return Rgb::ZERO;
         };
@@ -223,7 +228,7 @@ fn power(own: f64, other: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
-    use rilievo::surface::{Quad, Surface, World};
+    use rilievo::surface::{Quad, Surface};
 
     use super::*;
     use crate::light::fixtures::emitters;
@@ -266,7 +271,8 @@ mod tests {
             let from = DVec3::new(5.0, 0.0, 2.0);
             let ray = Ray::new(from, to.extend(2.5) - from);
             let hit = tracer.scene.world().closest(&ray, &mut ());
-            let found = tracer.radiance(&ray, hit.as_ref(), &mut sampler, &mut rays).x;
+            let full = Detail::full(tracer.scene.world());
+            let found = tracer.radiance(&ray, (hit.as_ref(), full), &mut sampler, &mut rays).x;
             (sum, squares) = (sum + found, squares + found * found);
         }
         let (mean, n) = (sum / n as f64, n as f64);

@@ -11,6 +11,7 @@ use crate::colour::Rgb;
 use crate::film::sums::PixelSums;
 use crate::film::{Aov, PixelMut};
 use crate::first_hits::Traced;
+use crate::level_of_detail::{Cone, Detail, LevelOfDetail};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
 
@@ -18,7 +19,7 @@ use crate::scene::Scene;
 const PACKET: usize = 16;
 
 /// The part of a pixel's width that one sample covers, for textures: as with 16 samples a pixel, however
-/// many there are, so that more of them only add to what others took.
+/// many there are, so that more of them only add to what others took. Level of detail may ask for more.
 const SAMPLE: f64 = 0.25;
 
 /// Traces pixels one after the other and counts their rays.
@@ -31,6 +32,8 @@ pub(crate) struct PixelTracer<'a> {
     paths: Option<PathTracer<'a>>,
     sums: Vec<LayerSum>,
     packet: Packet,
+    /// Coarser worlds, and how wide camera rays are.
+    levels: Option<(&'a LevelOfDetail, Cone)>,
     /// What the next camera rays meet, if that was found elsewhere.
     found: Option<std::slice::Iter<'a, Traced>>,
 }
@@ -39,10 +42,13 @@ impl<'a> PixelTracer<'a> {
     pub(crate) fn new(scene: &'a Scene, pixel_centers: bool) -> Self {
         let table = PixelTable::new(scene.lights().len());
         let (rays, packet) = (RayCounts::default(), Packet::new());
+        let width = SAMPLE.max(scene.settings().lod);
         let paths = (scene.settings().integrator == Integrator::Path)
-            .then(|| PathTracer::new(scene, SAMPLE * scene.camera().pixel_angle()));
+            .then(|| PathTracer::new(scene, width * scene.camera().pixel_angle()));
+        let cone = Cone::of(scene.camera(), scene.settings().lod);
+        let levels = scene.level_of_detail().map(|levels| (levels, cone));
         let (sums, found) = (Vec::new(), None);
-        Self { scene, pixel_centers, rays, table, paths, sums, packet, found }
+        Self { scene, pixel_centers, rays, table, paths, sums, packet, levels, found }
     }
 
     /// A tracer whose camera rays were traced elsewhere: those of [`PixelTracer::camera_rays`], pixel by
@@ -128,6 +134,9 @@ impl<'a> PixelTracer<'a> {
             Some(found) => self.packet.take(found),
             None => self.packet.trace(self.scene, steps),
         }
+        if let Some((levels, cone)) = &self.levels {
+            self.packet.coarsen(levels, cone, steps);
+        }
     }
 
     /// Makes the camera rays of one packet.
@@ -136,6 +145,7 @@ impl<'a> PixelTracer<'a> {
         self.packet.rays.clear();
         self.packet.weights.clear();
         self.packet.numbers.clear();
+        self.packet.level_numbers.clear();
         for index in first..end.min(first + PACKET as u64) {
             let mut numbers = self
                 .paths
@@ -149,6 +159,7 @@ impl<'a> PixelTracer<'a> {
                     Some(CameraNumbers::of(self.scene, |what| table.point(what, strand)))
                 }
             };
+            self.packet.level_numbers.push(u.as_ref().map_or(0.5, |numbers| numbers.level));
             let (ray, weight) = self.camera_ray(pixel, index, u);
             self.packet.rays.push(ray);
             self.packet.weights.push(weight);
@@ -160,13 +171,18 @@ impl<'a> PixelTracer<'a> {
     fn seen(&mut self, k: usize, first: u64) -> Rgb {
         let strand = Strand { index: first + k as u64, count: self.samples() };
         let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+        let world = self.scene.world();
+        let detail = match &self.levels {
+            Some((levels, _)) => levels.detail(world, self.packet.levels[k]),
+            None => Detail::full(world),
+        };
         match (self.scene.settings().integrator, &self.paths) {
             (Integrator::Path, Some(paths)) => {
-                paths.radiance(ray, hit, &mut self.packet.numbers[k], &mut self.rays)
+                paths.radiance(ray, (hit, detail), &mut self.packet.numbers[k], &mut self.rays)
             }
             (Integrator::Distributed, _) => {
                 let (table, rays) = (&mut self.table, &mut self.rays);
-                let mut tree = Distributed { scene: self.scene, table, rays };
+                let mut tree = Distributed { scene: self.scene, detail, table, rays };
                 tree.radiance(ray, hit, Path::from_camera(strand))
             }
             (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
@@ -183,7 +199,7 @@ impl<'a> PixelTracer<'a> {
     ) -> (Ray, f64) {
         let camera = self.scene.camera();
         let place = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-        let Some(CameraNumbers { filter, lens, time }) = numbers else {
+        let Some(CameraNumbers { filter, lens, time, .. }) = numbers else {
             return (camera.ray(place.x, place.y), 1.0);
         };
         let sample = self.scene.settings().filter.sample(index, filter);
@@ -197,6 +213,8 @@ struct CameraNumbers {
     filter: DVec2,
     lens: DVec2,
     time: f64,
+    /// Decides between two levels of detail.
+    level: f64,
 }
 
 impl CameraNumbers {
@@ -207,7 +225,9 @@ impl CameraNumbers {
         let lens =
             if scene.camera().has_lens() { draw(Dimension::Lens) } else { DVec2::splat(0.5) };
         let time = if scene.moves() { draw(Dimension::Time).x } else { 0.0 };
-        Self { filter, lens, time }
+        let levels = scene.settings().lod > 0.0;
+        let level = if levels { draw(Dimension::Level).x } else { 0.0 };
+        Self { filter, lens, time, level }
     }
 }
 
@@ -218,6 +238,10 @@ struct Packet {
     weights: Vec<f64>,
     /// The numbers of each ray's path, if there are paths.
     numbers: Vec<PathSampler>,
+    /// The number of each ray that decides between two levels of detail.
+    level_numbers: Vec<f64>,
+    /// The level of each hit, 0 for the full world.
+    levels: [usize; PACKET],
     hits: [Option<Hit>; PACKET],
     /// Work that each ray took, if it was counted.
     work: [u64; PACKET],
@@ -229,6 +253,8 @@ impl Packet {
             rays: Vec::with_capacity(PACKET),
             weights: Vec::with_capacity(PACKET),
             numbers: Vec::with_capacity(PACKET),
+            level_numbers: Vec::with_capacity(PACKET),
+            levels: [0; PACKET],
             hits: [None; PACKET],
             work: [0; PACKET],
         }
@@ -238,6 +264,22 @@ impl Packet {
     fn take(&mut self, found: &mut std::slice::Iter<'_, Traced>) {
         for (k, Traced { hit, work }) in found.take(self.rays.len()).enumerate() {
             (self.hits[k], self.work[k]) = (*hit, *work);
+        }
+    }
+
+    /// Goes over to what its rays meet at the level of detail that their hits ask for.
+    fn coarsen(&mut self, levels: &LevelOfDetail, cone: &Cone, count: bool) {
+        for (k, ray) in self.rays.iter().enumerate() {
+            self.levels[k] = 0;
+            let Some(hit) = &mut self.hits[k] else { continue };
+            let width = (cone, self.level_numbers[k]);
+            if count {
+                let mut counters = Counters::default();
+                (*hit, self.levels[k]) = levels.choose(ray, *hit, width, &mut counters);
+                self.work[k] += counters.total();
+            } else {
+                (*hit, self.levels[k]) = levels.choose(ray, *hit, width, &mut ());
+            }
         }
     }
 

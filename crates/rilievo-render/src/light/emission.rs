@@ -48,7 +48,9 @@ impl EmissionTable {
         let mut weights: Vec<f64> = places
             .map(|[i, j]| {
                 let uv = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) * width;
-                luminance(material.emitted * texture.mean(&Footprint { uv, width }))
+                luminance(
+                    material.emitted * texture.mean(&Footprint { width, ..Footprint::point(uv) }),
+                )
             })
             .collect();
         let mean = weights.iter().sum::<f64>() / weights.len() as f64;
@@ -84,5 +86,8 @@ impl EmissionTable {
 pub(super) fn luminance_over(material: &Material, [a, b, c]: [DVec2; 3]) -> f64 {
     let Some(texture) = &material.emission else { return luminance(material.emitted) };
     let width = a.max(b).max(c) - a.min(b).min(c);
-    luminance(material.emitted * texture.mean(&Footprint { uv: (a + b + c) / 3.0, width }))
+    luminance(
+        material.emitted
+            * texture.mean(&Footprint { width, ..Footprint::point((a + b + c) / 3.0) }),
+    )
 }

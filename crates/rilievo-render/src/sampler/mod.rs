@@ -30,6 +30,8 @@ pub enum Dimension {
     Lens,
     /// The time, by the first coordinate.
     Time,
+    /// Which of two levels of detail, by the first coordinate.
+    Level,
     /// The point on a light, by its index in the scene.
     Light {
         /// Bounces before.
@@ -71,6 +73,7 @@ impl Sampler {
             Dimension::Bounce { depth } => (3, u64::from(depth)),
             Dimension::Lens => (4, 0),
             Dimension::Time => (5, 0),
+            Dimension::Level => (6, 0),
         };
         let (nx, ny) = grid(count.max(1));
         let key = hash(hash(hash(self.key, kind), detail), count);

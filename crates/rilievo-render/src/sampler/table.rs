@@ -71,11 +71,12 @@ impl PixelTable {
     }
 
     fn slot_of(&self, dimension: Dimension) -> usize {
-        let at = |depth: u32, place: usize| 3 + depth as usize * (self.lights + 2) + place;
+        let at = |depth: u32, place: usize| 4 + depth as usize * (self.lights + 2) + place;
         match dimension {
             Dimension::Pixel => 0,
             Dimension::Lens => 1,
             Dimension::Time => 2,
+            Dimension::Level => 3,
             Dimension::Bounce { depth } => at(depth, 0),
             Dimension::Gloss { depth } => at(depth, 1),
             Dimension::Light { depth, light } => at(depth, 2 + light as usize),

@@ -16,6 +16,7 @@ use glam::DVec3;
 use rilievo::surface::World;
 
 use crate::colour::{Rgb, is_radiance};
+use crate::level_of_detail::LevelOfDetail;
 use crate::light::{Environment, Light, Lighting};
 use crate::texture::TileCache;
 
@@ -92,6 +93,8 @@ pub struct Scene {
     environment: Option<Arc<Environment>>,
     /// Made when it is first asked for.
     lighting: OnceLock<Lighting>,
+    /// Made when it is first asked for; nothing if no surface has levels.
+    level_of_detail: OnceLock<Option<LevelOfDetail>>,
     /// What brings in the tiles of textures, each once.
     caches: Vec<Arc<TileCache>>,
 }
@@ -128,7 +131,7 @@ impl Scene {
             })
             .collect();
         let of_surfaces = lights.len();
-        let lighting = OnceLock::new();
+        let (lighting, level_of_detail) = (OnceLock::new(), OnceLock::new());
         let mut caches: Vec<Arc<TileCache>> = Vec::new();
         let textures = parts.materials.iter().flat_map(Material::textures);
         for cache in textures.filter_map(|texture| texture.image.cache()) {
@@ -136,7 +139,15 @@ impl Scene {
                 caches.push(Arc::clone(cache));
             }
         }
-        Ok(Self { parts, lights, of_surfaces, environment: None, lighting, caches })
+        Ok(Self {
+            parts,
+            lights,
+            of_surfaces,
+            environment: None,
+            lighting,
+            level_of_detail,
+            caches,
+        })
     }
 
     /// The same scene with these lights that are no surfaces beside those that are. Of others, quads
@@ -226,6 +237,15 @@ impl Scene {
             let lamps = &self.lights[self.of_surfaces..];
             Lighting::new(self.world(), material, lamps, self.environment.clone())
         })
+    }
+
+    /// Coarser worlds, if the settings ask for them and any surface has levels.
+    pub(crate) fn level_of_detail(&self) -> Option<&LevelOfDetail> {
+        if self.settings().lod <= 0.0 {
+            return None;
+        }
+        let build = || LevelOfDetail::build(self.world(), |surface| self.material(surface).emits());
+        self.level_of_detail.get_or_init(build).as_ref()
     }
 
     /// Radiance that comes against `direction`, any length but zero, where nothing is met, without

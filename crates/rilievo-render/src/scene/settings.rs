@@ -23,6 +23,9 @@ pub struct RenderSettings {
     /// Largest channel of the radiance that one path of the path integrator may bring from beyond its
     /// direct light; 0 leaves it alone. A number above 0 takes bright specks away, and energy with them.
     pub clamp: f64,
+    /// Width of what a camera ray stands for, in pixels, at most [`Self::MAX_LOD`]: reliefs whose cells are
+    /// smaller there are traced at a coarser level of their maps. 0 traces the full maps everywhere.
+    pub lod: f64,
     /// Seed of every random choice.
     pub seed: u64,
     /// Where the numbers of paths come from; the distributed integrator always takes its strata.
@@ -61,6 +64,7 @@ impl RenderSettings {
         diffuse_samples: 0,
         max_depth: 5,
         clamp: 0.0,
+        lod: 0.0,
         seed: 0,
         sampler: SamplerKind::Sobol,
         filter: Filter::BOX,
@@ -71,6 +75,9 @@ impl RenderSettings {
     pub const MAX_SPLIT: u32 = 1 << 12;
     /// Most bounces: the recursion must fit a thread's stack.
     pub const MAX_DEPTH: u32 = 256;
+
+    /// Widest camera ray, in pixels.
+    pub const MAX_LOD: f64 = 64.0;
 
     /// Checks every count.
     ///
@@ -90,6 +97,10 @@ impl RenderSettings {
         within("glossy_samples", self.glossy_samples, 1, Self::MAX_SPLIT)?;
         within("diffuse_samples", self.diffuse_samples, 0, Self::MAX_SPLIT)?;
         within("max_depth", self.max_depth, 0, Self::MAX_DEPTH)?;
+        let (found, max) = (self.lod, Self::MAX_LOD);
+        if !(0.0..=max).contains(&found) {
+            return Err(SettingsError { setting: "lod", found, min: 0.0, max });
+        }
         let (found, max) = (self.filter.radius, Filter::MAX_RADIUS);
         if found > 0.0 && found <= max {
             Ok(())
@@ -108,6 +119,10 @@ mod tests {
         assert_eq!(RenderSettings::default().check(), Ok(()));
         let none = RenderSettings { samples: 0, ..RenderSettings::default() };
         assert_eq!(none.check().unwrap_err().setting, "samples");
+        for lod in [-1.0, f64::NAN, 65.0] {
+            let settings = RenderSettings { lod, ..RenderSettings::default() };
+            assert_eq!(settings.check().unwrap_err().setting, "lod");
+        }
         let deep = RenderSettings { max_depth: 257, ..RenderSettings::default() };
         let message = deep.check().unwrap_err().to_string();
         assert_eq!(message, "max_depth is 257; 0 to 256 are allowed");

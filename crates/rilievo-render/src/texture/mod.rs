@@ -25,19 +25,23 @@ use rilievo::map::Wrap;
 
 use crate::colour::Rgb;
 
-/// What one sample covers of a surface: where textures are looked up, and how far around.
+/// What one sample covers of a surface: where textures are looked up, how far around, and what of the relief
+/// there is not shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
     /// The place.
     pub uv: DVec2,
     /// Extent along u and v; 0 for a point.
     pub width: DVec2,
+    /// Variance of slopes, along all directions together, that the surface does not show: it makes lobes
+    /// wider.
+    pub lost_slopes: f64,
 }
 
 impl Footprint {
     /// A point.
     pub fn point(uv: DVec2) -> Self {
-        Self { uv, width: DVec2::ZERO }
+        Self { uv, width: DVec2::ZERO, lost_slopes: 0.0 }
     }
 
     /// A square of side `width`, in scene units, at a hit: its extent along u and v is that on the
@@ -48,7 +52,7 @@ impl Footprint {
             let length = tangent.length();
             if length > 0.0 { width / length } else { 0.0 }
         };
-        Self { uv: hit.uv, width: DVec2::from(hit.tangents.map(along)) }
+        Self { uv: hit.uv, width: DVec2::from(hit.tangents.map(along)), lost_slopes: 0.0 }
     }
 }
 
@@ -134,7 +138,7 @@ mod tests {
     #[test]
     fn wide_footprints_show_the_mean() {
         let texture = Texture { tile: DVec2::splat(3.0), ..Texture::new(corners()) };
-        let at = Footprint { uv: DVec2::splat(0.3), width: DVec2::splat(2.0) };
+        let at = Footprint { width: DVec2::splat(2.0), ..Footprint::point(DVec2::splat(0.3)) };
         assert!((texture.mean(&at) - 0.5).abs().max_element() < 1e-6);
         let point = Footprint::point(at.uv);
         assert_eq!(texture.mean(&point), texture.lookup(at.uv));

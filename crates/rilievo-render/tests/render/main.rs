@@ -6,6 +6,7 @@ mod determinism;
 mod emitters;
 mod interreflection;
 mod layers;
+mod level_of_detail;
 mod motion;
 mod parts;
 mod paths;

@@ -5,13 +5,14 @@ mod distance;
 mod height;
 mod lattice;
 mod metric;
+mod mip;
 mod normal;
 mod procedural;
 mod pyramid;
 mod statistics;
 
 pub(crate) use cube::direction as cube_direction;
-pub use cube::{CubeFace, CubeHeights, CubeHeightsError, ResamplingError, Tiling};
+pub use cube::{CubeFace, CubeHeights, CubeHeightsError, CubeMipLevel, ResamplingError, Tiling};
 pub use distance::{
     Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
     DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,
@@ -19,6 +20,7 @@ pub use distance::{
 pub use height::{HeightMap, HeightMapError, RowMut, Samples};
 pub use lattice::{Axis, Lattice, Run, Wrap};
 pub use metric::Metric;
+pub use mip::{LostSlopes, MipLevel};
 pub use normal::{
     NormalAgreement, NormalConvention, NormalKind, NormalMap, NormalMapError, NormalTexels,
 };

@@ -48,7 +48,8 @@ mod walls;
 use std::ops::Range;
 
 use crate::map::{
-    DistanceKind, DistanceMap, HeightMap, HeightMapError, Layout, Pyramid, RowMut, Samples,
+    DistanceKind, DistanceMap, HeightMap, HeightMapError, Layout, LostSlopes, MipLevel, Pyramid,
+    RowMut, Samples,
 };
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
@@ -102,6 +103,17 @@ impl Relief {
     pub fn with_layout(heights: HeightMap, layout: Layout) -> Self {
         let pyramid = Pyramid::build_as(&heights, layout);
         Self { heights, pyramid, distances: Vec::new() }
+    }
+
+    /// What stands for it where less is seen, finest first, with what each leaves out. No level has distance
+    /// maps.
+    pub fn levels(&self) -> Vec<(Self, LostSlopes)> {
+        let layout = self.pyramid.layout();
+        MipLevel::chain(&self.heights)
+            .into_iter()
+            .map(MipLevel::into_parts)
+            .map(|(heights, lost)| (Self::with_layout(heights, layout), lost))
+            .collect()
     }
 
     /// Adds a distance map, in place of any other of its kind.

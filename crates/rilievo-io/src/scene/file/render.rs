@@ -31,6 +31,7 @@ impl RenderEntry {
             diffuse_samples: keys::DIFFUSE_SAMPLES.of(table)?,
             max_depth: keys::MAX_DEPTH.of(table)?,
             clamp: keys::CLAMP.of(table)?,
+            lod: keys::LOD.of(table)?,
             seed: keys::SEED.of(table)?,
             sampler: keys::SAMPLER.of(table)?,
             filter: read_filter(table)?,

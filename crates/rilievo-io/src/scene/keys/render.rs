@@ -57,6 +57,13 @@ pub const CLAMP: Key<Number, Fallback<f64>> = Key::new(
     "of `path`; 0: nothing is clamped",
 )
 .unit("W/(sr m^2)");
+pub const LOD: Key<Number, Fallback<f64>> = Key::new(
+    "lod",
+    Number::Within(0.0, RenderSettings::MAX_LOD),
+    Fallback(DEFAULT.lod),
+    "level of detail: what a camera ray stands for, 1 is a pixel; 0: full maps everywhere; see below",
+)
+.unit("pixels");
 pub const SEED: Key<Integer<u64>, Fallback<u64>> =
     Key::new("seed", Integer::SEED, Fallback(DEFAULT.seed), "of every random choice");
 pub const SAMPLER: Key<Choice<SamplerKind>, Fallback<SamplerKind>> = Key::new(
@@ -119,6 +126,7 @@ pub const RENDER: Section = Section {
         &DIFFUSE_SAMPLES,
         &MAX_DEPTH,
         &CLAMP,
+        &LOD,
         &SEED,
         &SAMPLER,
         &FILTER,

@@ -220,6 +220,14 @@ impl Camera {
         }
     }
 
+    /// Width of a pixel at the camera, scene units, and how much it grows per unit of distance.
+    pub(crate) fn pixel_width(&self) -> [f64; 2] {
+        match self.projection {
+            Projection::Orthographic { .. } => [self.frame.step_x.length(), 0.0],
+            Projection::Perspective | Projection::Panoramic => [0.0, self.pixel_angle()],
+        }
+    }
+
     /// How the image plane is reached.
     pub fn projection(&self) -> Projection {
         self.projection

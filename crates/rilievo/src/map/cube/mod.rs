@@ -10,11 +10,13 @@
 //! computed from the direction alone is therefore the same on both sides of an edge, bit for bit.
 
 mod equirectangular;
+mod mip;
 mod resample;
 
 use glam::DVec3;
 
 pub use equirectangular::Tiling;
+pub use mip::CubeMipLevel;
 pub use resample::{CubeHeights, CubeHeightsError, ResamplingError};
 
 /// A face of the cube around a sphere, by the axis that it looks along.

@@ -125,6 +125,11 @@ impl CubeHeights {
         side.saturating_mul(side).saturating_mul(6 * sample)
     }
 
+    /// Six faces that meet.
+    pub(super) fn of_faces(faces: [HeightMap; 6], tiling: Tiling) -> Self {
+        Self { cells: faces[0].width() - 1, tiling, faces }
+    }
+
     /// How the map lies on the sphere.
     pub fn tiling(&self) -> Tiling {
         self.tiling

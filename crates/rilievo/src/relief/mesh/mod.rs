@@ -120,6 +120,18 @@ impl ReliefMesh {
         Self::laid(Arc::clone(&self.data), Arc::clone(&self.relief), options)
     }
 
+    /// The same mesh under another relief, a level of its own for instance. The base is shared.
+    ///
+    /// # Errors
+    /// As [`ReliefMesh::new`].
+    pub fn with_relief(
+        &self,
+        relief: Arc<Relief>,
+        options: MeshOptions,
+    ) -> Result<Self, ReliefMeshError> {
+        Self::laid(Arc::clone(&self.data), relief, options)
+    }
+
     fn laid(
         data: Arc<MeshData>,
         relief: Arc<Relief>,

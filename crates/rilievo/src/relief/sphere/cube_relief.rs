@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::map::{
-    CubeFace, CubeHeights, CubeHeightsError, DistanceKind, DistanceMap, DistanceMapError,
-    DistanceOptions, HeightMap, Layout, Metric, Pyramid, Tiling,
+    CubeFace, CubeHeights, CubeHeightsError, CubeMipLevel, DistanceKind, DistanceMap,
+    DistanceMapError, DistanceOptions, HeightMap, Layout, LostSlopes, Metric, Pyramid, Tiling,
 };
 use crate::relief::Relief;
 
@@ -31,6 +31,16 @@ impl CubeRelief {
         let (cells, tiling) = (heights.cells(), heights.tiling());
         let faces = heights.into_faces().map(|face| Relief::with_layout(face, layout));
         Self { cells, tiling, faces }
+    }
+
+    /// What stands for it where less is seen, finest first, with what each leaves out.
+    pub fn levels(&self) -> Vec<(Self, [LostSlopes; 6])> {
+        let layout = self.faces[0].pyramid().layout();
+        let faces = CubeFace::ALL.map(|face| self.face(face).heights());
+        CubeMipLevel::chain(faces, self.tiling)
+            .into_iter()
+            .map(|CubeMipLevel { heights, lost }| (Self::with_layout(heights, layout), lost))
+            .collect()
     }
 
     /// Adds a distance map for each face, in place of any other of its kind. Each knows the cells of
