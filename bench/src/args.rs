@@ -35,6 +35,8 @@ pub enum Command {
     Refinement(RefinementArgs),
     /// Nanoseconds a sample of building pyramids.
     Build(BuildArgs),
+    /// Rays a second, builds and edits on a GPU, beside triangles under a tree.
+    Gpu(GpuArgs),
     /// Say what machine this is, as the machine.json of a recorded run.
     Machine,
     /// Print the tables of a recorded run, in Markdown.
@@ -223,6 +225,47 @@ pub struct BuildArgs {
     pub sizes: Vec<u32>,
     /// Passes after the one that warms up; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub passes: u16,
+    #[command(flatten)]
+    pub output: Output,
+}
+
+#[derive(Debug, Args)]
+pub struct GpuArgs {
+    /// The map.
+    #[arg(long, value_enum, default_value = "fbm")]
+    pub map: MapName,
+    /// Samples a side [default: 4096; 256 on a software adapter].
+    #[arg(long, value_name = "N", value_parser = size())]
+    pub size: Option<u32>,
+    /// Samples a side of the map that is edited [default: 8192; 512 on a software adapter].
+    #[arg(long, value_name = "N", value_parser = size())]
+    pub edit_size: Option<u32>,
+    /// Samples a side of the map as triangles, 0 for none; halved where the device cannot bind them [default:
+    /// those of the map].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=32767))]
+    pub peer_size: Option<u32>,
+    /// Pixels across [default: 1920; 240 on a software adapter].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub width: Option<u32>,
+    /// Pixels down [default: 1080; 135 on a software adapter].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub height: Option<u32>,
+    /// Slices of distance maps, parted by commas.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_values_t = [16, 32],
+          value_parser = clap::value_parser!(u32).range(2..=256))]
+    pub slices: Vec<u32>,
+    /// Voxels or nodes a side of distance maps, at most one a sample; published ones are made by brute force and may be
+    /// coarser.
+    #[arg(long, value_name = "N", default_value_t = 256,
+          value_parser = clap::value_parser!(u32).range(2..=2048))]
+    pub grid: u32,
+    /// Scene units of height 1 over the unit square; real maps divide it by their repetitions.
+    #[arg(long, value_name = "Z", default_value_t = 0.1, value_parser = depth)]
+    pub depth: f64,
+    /// Passes after the one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 9,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub passes: u16,
     #[command(flatten)]

@@ -8,6 +8,7 @@ mod clock;
 mod contender;
 #[cfg(feature = "embree")]
 mod embree;
+mod gpu;
 mod kernels;
 mod map;
 mod measure;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Solids(args) => solids::run(args),
         Command::Refinement(args) => solids::refinement(args),
         Command::Build(args) => builds::run(args),
+        Command::Gpu(args) => gpu::run(args),
         Command::Machine => runs::machine(),
         Command::Summary(args) => runs::summary(&args.run),
         Command::Plots(args) => {

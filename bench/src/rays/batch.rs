@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use glam::DVec3;
-use rilievo::Ray;
 use rilievo::map::HeightMap;
 use rilievo::relief::{Displacement, FaceOptions, Method, Relief, ReliefFace};
+use rilievo::{Hit, Ray};
 use serde::{Deserialize, Serialize};
 
 use super::Ray32;
@@ -175,8 +175,7 @@ impl Scene {
     }
 
     fn overview(&self) -> Camera {
-        let target = DVec3::new(0.5, 0.31, 0.5 * self.depth);
-        Camera::new(DVec3::new(0.5, -0.5, 1.2 + self.depth), target, 43.5, self.side)
+        Camera::overview(self.depth, self.side)
     }
 
     fn low_camera(&self) -> Camera {
@@ -230,6 +229,12 @@ fn bounce(start: &Start, id: u64) -> Ray32 {
     let to = (start.normal + DVec3::new(r * cos, r * sin, z)).try_normalize();
     let direction = to.unwrap_or(start.normal).as_vec3().to_array();
     Ray32 { origin: start.origin, direction, t_max: f32::INFINITY }
+}
+
+/// The cosine-distributed ray `id` from a hit on `map`, which lies on the unit square with heights up to `depth`.
+pub fn bounced(map: &HeightMap, depth: f64, hit: &Hit, id: u64) -> Ray32 {
+    let normal = hit.geometric_normal;
+    bounce(&Start { origin: clear(map, depth, hit.position, normal), normal }, id)
 }
 
 /// The same ray in `f64`.

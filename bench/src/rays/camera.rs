@@ -28,6 +28,12 @@ impl Camera {
         Self { position, forward, right: right * pixel, down: down * pixel, side }
     }
 
+    /// Sees the whole unit square from above, with heights up to `depth`.
+    pub fn overview(depth: f64, side: u32) -> Self {
+        let target = DVec3::new(0.5, 0.31, 0.5 * depth);
+        Self::new(DVec3::new(0.5, -0.5, 1.2 + depth), target, 43.5, side)
+    }
+
     /// The ray through (x, y) in pixels, (0, 0) the upper left corner of the image.
     pub fn ray(&self, x: f64, y: f64) -> Ray32 {
         let middle = 0.5 * f64::from(self.side);

@@ -10,7 +10,8 @@ mod batch;
 mod camera;
 mod clearance;
 
-pub use batch::{Batch, CORNERS, Family, Row, Scene, widened};
+pub use batch::{Batch, CORNERS, Family, Row, Scene, bounced, widened};
+pub use camera::Camera;
 
 /// A ray in `f32`. Points are `origin + t * direction` with `0 <= t <= t_max`, scene units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,7 +17,7 @@ const GRAPH: &[(&str, &[&str])] = &[
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-viewer", &["rilievo", "rilievo-render", "rilievo-io"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
-    ("rilievo-bench", &["rilievo", "rilievo-io"]),
+    ("rilievo-bench", &["rilievo", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),
     ("xtask", &[]),
 ];
