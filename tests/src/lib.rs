@@ -3,10 +3,12 @@
 
 #![forbid(unsafe_code)]
 
+pub mod ball;
 pub mod conformance;
 pub mod image;
 pub mod kernel;
 pub mod maps;
+pub mod mesh_cases;
 pub mod mesh_oracle;
 pub mod meshes;
 pub mod nudge;

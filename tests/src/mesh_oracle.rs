@@ -6,7 +6,12 @@
 //! denominator, their sum \[Ogaki2023\]. Put into the bilinear height of a cell that is a polynomial
 //! of degree 5, whose roots are separated by sign variations of its Bernstein coefficients. It
 //! shares lattice and samples of the map with the library and nothing else: another unknown, another
-//! solver, other normals, no bounds, no frames.
+//! solver, other normals, no bounds of its own, no frames. Cells whose ball the line passes are
+//! left out (`ball`).
+
+mod cells;
+mod polynomial;
+mod verdict;
 
 use std::collections::HashMap;
 
@@ -15,6 +20,11 @@ use rilievo::Ray;
 use rilievo::map::{HeightMap, Lattice, Wrap};
 use rilievo::mesh::Mesh;
 use rilievo::relief::Displacement;
+
+use crate::ball::{Ball, Line};
+use cells::cells_under;
+use polynomial::{add, bernstein, roots, times};
+pub use verdict::Verdict;
 
 /// Room for rounding where a closed border counts, in weights and cells.
 const CLOSED: f64 = 1e-9;
@@ -31,9 +41,10 @@ struct BaseTriangle {
     corners: [DVec3; 3],
     normals: [DVec3; 3],
     lattice: [DVec2; 3],
+    ball: Ball,
     cells: Vec<[i32; 2]>,
-    centre: DVec3,
-    radius: f64,
+    /// One a cell.
+    balls: Vec<Ball>,
 }
 
 /// An edge with what its sides show; nothing stands for offset 0.
@@ -91,18 +102,12 @@ impl<'a> MeshOracle<'a> {
             };
             let lattice = triangle.uvs.expect("uv").map(|uv| lattice_of(data.uvs[uv as usize]));
             let points = (0..3).flat_map(|k| offsets.map(|o| corners[k] + o * normals[k]));
-            let points: Vec<_> = points.collect();
-            let centre = points.iter().sum::<DVec3>() / 6.0;
-            let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            let ball = Ball::around(&points.collect::<Vec<_>>());
             let cells = cells_under(&lattice);
-            oracle.triangles.push(BaseTriangle {
-                corners,
-                normals,
-                lattice,
-                cells,
-                centre,
-                radius,
-            });
+            let mut base =
+                BaseTriangle { corners, normals, lattice, ball, cells, balls: Vec::new() };
+            base.balls = base.cells.iter().map(|&cell| oracle.ball(&base, cell)).collect();
+            oracle.triangles.push(base);
             for k in 0..3 {
                 let (mut a, mut b) = (k, (k + 1) % 3);
                 if key(corners[a]) > key(corners[b]) {
@@ -143,17 +148,67 @@ impl<'a> MeshOracle<'a> {
         (offset / self.displacement.scale + self.displacement.zero) / self.map.unit()
     }
 
+    /// A ball around what a triangle shows of a cell.
+    fn ball(&self, base: &BaseTriangle, [i, j]: [i32; 2]) -> Ball {
+        let [a, b, c] = base.lattice;
+        // The part of the cell under the triangle's box, a little more.
+        let cell = DVec2::new(f64::from(i), f64::from(j));
+        let low = cell.max(a.min(b).min(c)) - 1e-4;
+        let high = (cell + 1.0).min(a.max(b).max(c)) + 1e-4;
+        let (e, f) = (b - a, c - a);
+        let area = e.perp_dot(f);
+        if area.abs() < 1e-9 * (e.length_squared() + f.length_squared()) {
+            return base.ball;
+        }
+        let h = self.map.unfolded_corners(i, j).map(f64::from);
+        let (least, most) =
+            (h.iter()).fold((f64::MAX, f64::MIN), |(a, b), &h| (a.min(h), b.max(h)));
+        let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
+        let points = corners.map(|at| {
+            let (v, w) = ((at - a).perp_dot(f) / area, e.perp_dot(at - a) / area);
+            [least, most].map(|raw| {
+                let weights = [1.0 - v - w, v, w];
+                let o = self.offset(raw);
+                (0..3).map(|k| weights[k] * (base.corners[k] + o * base.normals[k])).sum()
+            })
+        });
+        Ball::around(points.as_flattened())
+    }
+
+    /// All cells that the line of a ray may meet, with the numbers of their triangles: none is missing.
+    pub fn cells_near(&self, ray: &Ray) -> Vec<(u32, [i32; 2])> {
+        let line = Line::of(ray);
+        let mut near = Vec::new();
+        for (number, triangle) in (0..).zip(&self.triangles) {
+            if line.misses(&triangle.ball) {
+                continue;
+            }
+            let cells = triangle.cells.iter().zip(&triangle.balls);
+            near.extend(
+                cells.filter(|(_, ball)| !line.misses(ball)).map(|(&cell, _)| (number, cell)),
+            );
+        }
+        near
+    }
+
+    /// All cells, with the numbers of their triangles.
+    pub fn all_cells(&self) -> Vec<(u32, [i32; 2])> {
+        let triangles = (0..).zip(&self.triangles);
+        triangles.flat_map(|(number, t)| t.cells.iter().map(move |&cell| (number, cell))).collect()
+    }
+
     /// All parameters at which a line meets the mesh, in order; double roots may be missing.
     pub fn crossings(&self, ray: &Ray) -> Vec<f64> {
-        let d = ray.direction;
-        let across = d.normalize().any_orthonormal_pair();
-        let axes = [across.0, across.1];
+        self.crossings_among(ray, &self.cells_near(ray))
+    }
+
+    /// The same, for some cells and all walls.
+    pub fn crossings_among(&self, ray: &Ray, cells: &[(u32, [i32; 2])]) -> Vec<f64> {
+        let line = Line::of(ray);
         let mut all = Vec::new();
-        for triangle in &self.triangles {
-            let off = (triangle.centre - ray.origin).reject_from(d).length();
-            if off <= triangle.radius * (1.0 + 1e-9) {
-                self.cross_triangle(triangle, ray, axes, &mut all);
-            }
+        for listed in cells.chunk_by(|a, b| a.0 == b.0) {
+            let base = &self.triangles[listed[0].0 as usize];
+            self.cross_cells(base, listed, (ray, &line), &mut all);
         }
         for wall in &self.walls {
             self.cross_wall(wall, ray, &mut all);
@@ -167,15 +222,20 @@ impl<'a> MeshOracle<'a> {
         self.crossings(ray).into_iter().find(|&t| t >= 0.0)
     }
 
-    fn cross_triangle(&self, base: &BaseTriangle, ray: &Ray, axes: [DVec3; 2], all: &mut Vec<f64>) {
-        let seen = |v: DVec3| DVec2::new(v.dot(axes[0]), v.dot(axes[1]));
-        let p = base.corners.map(|p| seen(p - ray.origin));
-        let n = base.normals.map(seen);
-        for &[i, j] in &base.cells {
+    fn cross_cells(
+        &self,
+        base: &BaseTriangle,
+        cells: &[(u32, [i32; 2])],
+        (ray, line): (&Ray, &Line),
+        all: &mut Vec<f64>,
+    ) {
+        let p = base.corners.map(|p| line.across(p - ray.origin));
+        let n = base.normals.map(|n| line.across(n));
+        let (whole_low, whole_high) = self.map.raw_range();
+        for &(_, [i, j]) in cells {
             let h = self.map.unfolded_corners(i, j).map(f64::from);
             let (low, high) =
                 h.iter().fold((f64::MAX, f64::MIN), |(a, b), &h| (a.min(h), b.max(h)));
-            let (whole_low, whole_high) = self.map.raw_range();
             let pad = 1e-3 * (high - low) + 1e-6 * f64::from(whole_high - whole_low).max(1e-6);
             let (low, high) = (low - pad, high + pad);
             let ends = [self.offset(low), self.offset(high)];
@@ -183,28 +243,34 @@ impl<'a> MeshOracle<'a> {
             let start = [0, 1, 2].map(|k| p[k] + ends[0] * n[k]);
             let step = n.map(|n| (ends[1] - ends[0]) * n);
             let weight = |a: usize, b: usize| {
-                vec![
+                [
                     start[a].perp_dot(start[b]),
                     start[a].perp_dot(step[b]) + step[a].perp_dot(start[b]),
                     step[a].perp_dot(step[b]),
                 ]
             };
             let weights = [weight(1, 2), weight(2, 0), weight(0, 1)];
-            let combine = |of: [f64; 3]| -> Vec<f64> {
-                (0..3).map(|c| (0..3).map(|k| of[k] * weights[k][c]).sum()).collect()
+            let combine = |of: [f64; 3]| -> [f64; 3] {
+                [0, 1, 2].map(|c| (0..3).map(|k| of[k] * weights[k][c]).sum())
             };
             let sum = combine([1.0; 3]);
             let x = combine(base.lattice.map(|l| l.x - f64::from(i)));
             let y = combine(base.lattice.map(|l| l.y - f64::from(j)));
             let [h00, h10, h01, h11] = h.map(|h| h - low);
             let twist = (h11 - h01) - (h10 - h00);
-            let mut gap = vec![0.0; 6];
-            add(&mut gap, &times(&times(&sum, &sum), &[-h00, high - low]), 1.0);
-            add(&mut gap, &times(&x, &sum), -(h10 - h00));
-            add(&mut gap, &times(&y, &sum), -(h01 - h00));
-            add(&mut gap, &times(&x, &y), -twist);
+            if is_outside(&weights, &[x, y], &sum) {
+                continue;
+            }
+            let square: [f64; 5] = times(&sum, &sum);
+            let mut gap: [f64; 6] = times(&square, &[-h00, high - low]);
+            let mut take = |a: &[f64; 3], b: &[f64; 3], factor: f64| {
+                add(&mut gap, &times::<3, 3, 5>(a, b), factor);
+            };
+            take(&x, &sum, -(h10 - h00));
+            take(&y, &sum, -(h01 - h00));
+            take(&x, &y, -twist);
             for s in roots(&gap) {
-                let at = |p: &[f64]| p[0] + s * (p[1] + s * p[2]);
+                let at = |p: &[f64; 3]| p[0] + s * (p[1] + s * p[2]);
                 let d = at(&sum);
                 let w = weights.each_ref().map(|w| at(w) / d);
                 let local = [at(&x) / d, at(&y) / d];
@@ -250,97 +316,17 @@ impl<'a> MeshOracle<'a> {
     }
 }
 
-/// Unfolded cells that a triangle in lattice coordinates touches.
-fn cells_under(corners: &[DVec2; 3]) -> Vec<[i32; 2]> {
-    let low = corners[0].min(corners[1]).min(corners[2]) - 1e-6;
-    let high = corners[0].max(corners[1]).max(corners[2]) + 1e-6;
-    let mut cells = Vec::new();
-    for j in low.y.floor() as i32..=high.y.floor() as i32 {
-        for i in low.x.floor() as i32..=high.x.floor() as i32 {
-            let centre = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5);
-            let apart = (0..3).any(|k| {
-                let (a, b, c) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                let normal = (b - a).perp();
-                let side = normal.dot(c - a).signum();
-                let reach = 0.5 * (normal.x.abs() + normal.y.abs()) * (1.0 + 1e-6);
-                side * normal.dot(centre - a) < -reach - 1e-9 * normal.length()
-            });
-            if !apart {
-                cells.push([i, j]);
-            }
-        }
-    }
-    cells
-}
-
-fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; a.len() + b.len() - 1];
-    for (i, a) in a.iter().enumerate() {
-        for (j, b) in b.iter().enumerate() {
-            product[i + j] += a * b;
-        }
-    }
-    product
-}
-
-fn add(to: &mut [f64], other: &[f64], factor: f64) {
-    for (to, x) in to.iter_mut().zip(other) {
-        *to += factor * x;
-    }
-}
-
-/// Roots in [0, 1] of a polynomial by its coefficients, lowest first.
-pub fn roots(coefficients: &[f64]) -> Vec<f64> {
-    let n = coefficients.len() - 1;
-    let choose = |n: usize, k: usize| (0..k).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64);
-    let bernstein: Vec<f64> = (0..=n)
-        .map(|i| (0..=i).map(|k| choose(i, k) / choose(n, k) * coefficients[k]).sum())
-        .collect();
-    let mut found = Vec::new();
-    separate(bernstein, 0.0, 1.0, &mut found);
-    found
-}
-
-/// Adds the roots between `from` and `to` of a polynomial by its Bernstein coefficients there.
-fn separate(b: Vec<f64>, from: f64, to: f64, found: &mut Vec<f64>) {
-    let signs: Vec<bool> = b.iter().filter(|&&b| b != 0.0).map(|&b| b > 0.0).collect();
-    if b[0] == 0.0 {
-        found.push(from);
-    }
-    if signs.windows(2).all(|pair| pair[0] == pair[1]) {
-        return;
-    }
-    if to - from < 1e-15 {
-        found.push(0.5 * (from + to));
-        return;
-    }
-    let n = b.len();
-    let (mut low, mut high) = (Vec::with_capacity(n), vec![0.0; n]);
-    let mut row = b;
-    for k in 0..n {
-        low.push(row[0]);
-        high[n - 1 - k] = row[n - 1 - k];
-        for i in 0..n - 1 - k {
-            row[i] = 0.5 * (row[i] + row[i + 1]);
-        }
-    }
-    let middle = 0.5 * (from + to);
-    separate(low, from, middle, found);
-    separate(high, middle, to, found);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn roots_of_known_polynomials() {
-        // (s - 1/4)(s - 1/2)(s - 3/4), and with a double root at 1/3.
-        let cubic = times(&times(&[-0.25, 1.0], &[-0.5, 1.0]), &[-0.75, 1.0]);
-        let found = roots(&cubic);
-        assert_eq!(found.len(), 3);
-        assert!(found.iter().zip([0.25, 0.5, 0.75]).all(|(a, b)| (a - b).abs() < 1e-12));
-        assert!(roots(&[1.0, 0.0, 1.0]).is_empty());
-        assert_eq!(roots(&[0.0, 1.0]), [0.0]);
-    }
+/// Whether at no height between the ends weights over their sum `d`, or cell coordinates over `d`, are all where
+/// they count: one of them, or what it is short of 1, is below zero all along, by what is allowed for rounding.
+fn is_outside(weights: &[[f64; 3]; 3], coordinates: &[[f64; 3]; 2], d: &[f64; 3]) -> bool {
+    let d_ends = bernstein(d);
+    let room = 2.0 * CLOSED * d_ends.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+    let sign = match d_ends {
+        d if d.iter().all(|&d| d > 0.0) => 1.0,
+        d if d.iter().all(|&d| d < 0.0) => -1.0,
+        _ => return false,
+    };
+    let below = |p: &[f64; 3]| bernstein(p).iter().all(|p| sign * p < -room);
+    weights.iter().any(below)
+        || coordinates.iter().any(|x| below(x) || below(&[0, 1, 2].map(|k| d[k] - x[k])))
 }

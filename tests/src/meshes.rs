@@ -1,5 +1,7 @@
 //! Base meshes for the suites, with uv and normals.
 
+mod pot;
+
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DVec2, DVec3};
@@ -20,6 +22,8 @@ pub enum Base {
     Folded(u64),
     /// The model of `scenes/spot`: closed, with uv seams, thin ears and legs.
     Spot,
+    /// A closed pot with neck, lid and knob, turned in so many steps, and a handle: a body with a hole.
+    Pot(u32),
     /// An open strip of long thin triangles, bent like a trough.
     Trough,
     /// Two triangles over a quad that is no parallelogram, not flat.
@@ -48,6 +52,12 @@ impl Base {
         !matches!(self, Self::Trough | Self::Quad)
     }
 
+    /// Whether many triangles meet in a point of which each shows another part of the map. The walls between them meet
+    /// in a line there.
+    pub fn has_poles(self) -> bool {
+        matches!(self, Self::Pot(_))
+    }
+
     fn data(self) -> MeshData {
         match self {
             Self::Icosphere(levels) => {
@@ -72,6 +82,7 @@ impl Base {
             }
             Self::Torus(around, across) => torus(around, across),
             Self::Cube => cube(),
+            Self::Pot(around) => pot::pot(around),
             Self::Trough => trough(),
             Self::Spot => spot(),
             Self::Quad => {

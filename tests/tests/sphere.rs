@@ -12,55 +12,13 @@ use rilievo_tests::conformance::same_bits;
 use rilievo_tests::maps::Shape;
 use rilievo_tests::nudge::nudged;
 use rilievo_tests::random::Random;
-use rilievo_tests::sphere::oracle::{SphereHit, SphereOracle};
+use rilievo_tests::sphere::oracle::{SphereHit, SphereOracle, agree};
 use rilievo_tests::sphere::{Family, SphereScene, scenes};
 
 /// As many rays as the environment's `RILIEVO_RAYS` says, or `usual`.
 fn rays(usual: u64) -> u64 {
     let asked = std::env::var("RILIEVO_RAYS").ok().and_then(|text| text.parse().ok());
     asked.unwrap_or(usual)
-}
-
-/// All ways to trace a scene's sphere; the first shows the leaf every cell.
-fn contenders(scene: &SphereScene) -> Vec<(String, ReliefSphere)> {
-    let mut all =
-        vec![("dda".to_owned(), scene.sphere(Method::Dda, Layout::Default, SimdLevel::detect()))];
-    for layout in [Layout::Default, Layout::Tiny] {
-        for &level in SimdLevel::available() {
-            let name = format!("pyramid, {layout}, {level}");
-            all.push((name, scene.sphere(Method::Pyramid, layout, level)));
-        }
-    }
-    // Voxels of a cell, and of many cells, unlike along x and y.
-    for (method, size) in [
-        (Method::Distance, None),
-        (Method::Distance, Some([5, 3, 4])),
-        (Method::DistanceCorrected, Some([21, 6, 3])),
-    ] {
-        all.push((format!("{method}, {size:?}"), scene.sphere_over(method, size)));
-    }
-    all
-}
-
-/// Whether two answers are the same but for rounding.
-fn agree(answer: &Option<Hit>, judge: &Option<SphereHit>, tolerance: f64) -> bool {
-    match (answer, judge) {
-        (None, None) => true,
-        (Some(hit), Some(judge)) => {
-            hit.front == judge.front && hit.position.distance(judge.position) <= tolerance
-        }
-        _ => false,
-    }
-}
-
-/// Whether the judge gives `answer` to some ray a nudge away.
-fn excused(oracle: &SphereOracle<'_>, ray: &Ray, answer: &Option<Hit>, center: DVec3) -> bool {
-    let towards = answer.map(|hit| hit.position - ray.origin);
-    let normal = ray.origin - center;
-    nudged(ray.direction, towards, normal).any(|direction| {
-        let judge = oracle.closest(&Ray { direction, ..*ray }, -1e-300);
-        agree(answer, &judge, 1e4 * oracle.tolerance())
-    })
 }
 
 /// What is wrong with the attributes of a hit.
@@ -100,7 +58,7 @@ fn wrong_attributes(scene: &SphereScene, ray: &Ray, hit: &Hit, family: Family) -
 #[test]
 fn methods_agree_bit_for_bit() {
     for (index, scene) in scenes().iter().enumerate() {
-        let contenders = contenders(scene);
+        let contenders = scene.contenders();
         (0..rays(20_000)).into_par_iter().for_each(|k| {
             let family = Family::ALL[(k % Family::ALL.len() as u64) as usize];
             let mut random = Random::new(&[51, index as u64, k]);
@@ -140,11 +98,11 @@ fn the_judge_agrees() {
                 let mut random = Random::new(&[52, index as u64, k]);
                 let ray = scene.ray(family, &mut random);
                 let hit = sphere.closest(&ray, &mut ());
-                let judge = oracle.closest(&ray, -1e-300);
-                if agree(&hit, &judge, oracle.tolerance()) {
+                if oracle.agrees(&hit, &ray) {
                     return None;
                 }
-                let excused = excused(&oracle, &ray, &hit, scene.center);
+                let excused = oracle.excuses(&hit, &ray);
+                let judge = oracle.closest(&ray, -1e-300);
                 Some((family, excused, format!("{ray:?}\n{hit:?}\n{judge:?}")))
             })
             .collect();

@@ -55,27 +55,39 @@ pub fn run(root: &Path) -> bool {
     passed
 }
 
+/// Builds the program `conformance` of rilievo-tests and runs it with some words; says whether it found no fault.
+pub fn conformance(root: &Path, words: &[&str]) -> bool {
+    let build = ["run", "--locked", "--quiet", "--release", "--package", "rilievo-tests"];
+    let arguments = [&build[..], &["--bin", "conformance", "--"], words].concat();
+    start(root, &arguments, &[])
+}
+
 /// Runs one step; says whether it passed. Cargo's own output goes where ours goes.
 fn cargo(root: &Path, step: &Step) -> bool {
     say(&format!("== {}: cargo {}", step.name, step.arguments.join(" ")));
     let begin = Instant::now();
+    let passed = start(root, step.arguments, step.environment);
+    let verdict = if passed { "passed" } else { "FAILED" };
+    say(&format!("== {}: {verdict} in {:.0} s", step.name, begin.elapsed().as_secs_f64()));
+    passed
+}
+
+/// Runs cargo; says whether it succeeded.
+fn start(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> bool {
     // Cargo names itself to the programs it runs; outside of it, take the one on the path.
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(program)
-        .args(step.arguments)
-        .envs(step.environment.iter().copied())
+        .args(arguments)
+        .envs(environment.iter().copied())
         .current_dir(root)
         .status();
-    let passed = match status {
+    match status {
         Ok(status) => status.success(),
         Err(error) => {
             say(&format!("cannot run cargo: {error}"));
             false
         }
-    };
-    let verdict = if passed { "passed" } else { "FAILED" };
-    say(&format!("== {}: {verdict} in {:.0} s", step.name, begin.elapsed().as_secs_f64()));
-    passed
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! `cargo xtask`: development commands.
 //!
 //! * `cargo xtask ci` runs everything that gates a change, in the order in which it fails fastest.
+//! * `cargo xtask conformance` judges displaced spheres and meshes, optimised, for as many rays as one likes.
 //! * `cargo xtask reference` writes the tables of keys in docs/SCENE.md from those of the parser.
 //! * `cargo xtask figures` draws the pictures and measures the tables of `docs`.
 //! * `cargo xtask tidy` checks the house rules that neither rustc nor clippy knows.
@@ -18,7 +19,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask <ci | tidy | reference | figures [--quick] [PART...]>";
+const USAGE: &str = "usage: cargo xtask <ci | tidy | reference | conformance [WORD...] | figures [--quick] [PART...]>";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(root),
         ["tidy"] => tidy::run(root),
         ["reference"] => reference::run(root),
+        ["conformance", ref words @ ..] => ci::conformance(root, words),
         ["figures", ref words @ ..] => match figures::run(root, words) {
             Ok(passed) => passed,
             Err(why) => {

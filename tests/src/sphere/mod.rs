@@ -19,6 +19,9 @@ use oracle::SphereOracle;
 
 pub use rays::Family;
 
+/// A way to trace a sphere, and its name.
+pub type Contender = (String, ReliefSphere);
+
 /// A displaced sphere, and its name.
 #[derive(Clone, Debug)]
 pub struct SphereScene {
@@ -67,6 +70,32 @@ impl SphereScene {
         let options = SphereOptions { displacement, method, ..SphereOptions::default() };
         ReliefSphere::new(self.center, self.radius, Arc::new(relief), options)
             .expect("a valid sphere")
+    }
+
+    /// All ways to trace it; the first shows the leaf every cell.
+    ///
+    /// # Panics
+    /// If the library refuses one.
+    pub fn contenders(&self) -> Vec<Contender> {
+        let mut all = vec![(
+            "dda".to_owned(),
+            self.sphere(Method::Dda, Layout::Default, SimdLevel::detect()),
+        )];
+        for layout in [Layout::Default, Layout::Tiny] {
+            for &level in SimdLevel::available() {
+                let name = format!("pyramid, {layout}, {level}");
+                all.push((name, self.sphere(Method::Pyramid, layout, level)));
+            }
+        }
+        // Voxels of a cell, and of many cells, unlike along x and y.
+        for (method, size) in [
+            (Method::Distance, None),
+            (Method::Distance, Some([5, 3, 4])),
+            (Method::DistanceCorrected, Some([21, 6, 3])),
+        ] {
+            all.push((format!("{method}, {size:?}"), self.sphere_over(method, size)));
+        }
+        all
     }
 
     /// Smallest and largest distance of a sample from the centre.

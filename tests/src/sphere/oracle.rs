@@ -12,10 +12,12 @@
 //! a ray: a quadratic in its parameter. No projective parameter, no line of the lattice, no clip.
 
 use glam::DVec3;
-use rilievo::Ray;
 use rilievo::map::CubeFace;
+use rilievo::{Hit, Ray};
 
 use super::SphereScene;
+use crate::ball::{Ball, Line};
+use crate::nudge::nudged;
 
 /// The answer of the judge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +42,9 @@ struct Cell {
 pub struct SphereOracle<'a> {
     scene: &'a SphereScene,
     cells: Vec<Cell>,
+    /// One a cell, about the centre: what it shows is in the convex hull of its corners at its smallest and at
+    /// its largest `1 / Z`.
+    balls: Vec<Ball>,
     /// Size of a cell.
     step: f64,
 }
@@ -49,7 +54,7 @@ impl<'a> SphereOracle<'a> {
     pub fn new(scene: &'a SphereScene) -> Self {
         let n = scene.heights.cells();
         let step = 2.0 / f64::from(n);
-        let mut cells = Vec::new();
+        let (mut cells, mut balls) = (Vec::new(), Vec::new());
         for face in CubeFace::ALL {
             let map = scene.heights.face(face);
             let q = |i: u32, j: u32| {
@@ -63,11 +68,17 @@ impl<'a> SphereOracle<'a> {
                     let [q00, q10, q01, q11] = [q(i, j), q(i + 1, j), q(i, j + 1), q(i + 1, j + 1)];
                     let quadric = [q00, q10 - q00, q01 - q00, (q11 - q10) - (q01 - q00)];
                     let corner = [i, j].map(|k| f64::from(k) * step - 1.0);
+                    let ends = [q00.min(q10).min(q01).min(q11), q00.max(q10).max(q01).max(q11)];
+                    let corners = [[0.0, 0.0], [step, 0.0], [0.0, step], [step, step]];
+                    let points = corners.map(|[x, y]| {
+                        ends.map(|q| face.from_frame([corner[0] + x, corner[1] + y, 1.0]) / q)
+                    });
+                    balls.push(Ball::around(points.as_flattened()));
                     cells.push(Cell { face, corner, quadric });
                 }
             }
         }
-        Self { scene, cells, step }
+        Self { scene, cells, balls, step }
     }
 
     /// What distances are measured by: the radius, and how exactly `f64` can name a point there.
@@ -83,10 +94,27 @@ impl<'a> SphereOracle<'a> {
         let middle = -arm.dot(direction) / direction.length_squared();
         let near = arm + middle * direction;
         let range = [after - middle, ray.t_max - middle];
-        let hits = self.cells.iter().filter_map(|cell| self.meet(cell, near, direction, range));
+        let line = Line::of(&Ray::new(near, direction));
+        let cells = self.cells.iter().zip(&self.balls).filter(|(_, ball)| !line.misses(ball));
+        let hits = cells.filter_map(|(cell, _)| self.meet(cell, near, direction, range));
         let (e, front) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let position = self.scene.center + (near + e * direction);
         Some(SphereHit { t: middle + e, position, front })
+    }
+
+    /// Whether an answer to a ray is this judge's, to rounding.
+    pub fn agrees(&self, answer: &Option<Hit>, ray: &Ray) -> bool {
+        agree(answer, &self.closest(ray, -1e-300), self.tolerance())
+    }
+
+    /// Whether it is this judge's for some ray a nudge away.
+    pub fn excuses(&self, answer: &Option<Hit>, ray: &Ray) -> bool {
+        let towards = answer.map(|hit| hit.position - ray.origin);
+        let normal = ray.origin - self.scene.center;
+        nudged(ray.direction, towards, normal).any(|direction| {
+            let judge = self.closest(&Ray { direction, ..*ray }, -1e-300);
+            agree(answer, &judge, 1e4 * self.tolerance())
+        })
     }
 
     /// The first root over a cell, from outside or not.
@@ -114,6 +142,17 @@ impl<'a> SphereOracle<'a> {
         let first = roots.into_iter().flatten().find(|&e| inside(e))?;
         // The quadric is positive outside: it falls where a ray comes in.
         Some((first, 2.0 * a * first + b < 0.0))
+    }
+}
+
+/// Whether two answers are the same but for rounding.
+pub fn agree(answer: &Option<Hit>, judge: &Option<SphereHit>, tolerance: f64) -> bool {
+    match (answer, judge) {
+        (None, None) => true,
+        (Some(hit), Some(judge)) => {
+            hit.front == judge.front && hit.position.distance(judge.position) <= tolerance
+        }
+        _ => false,
     }
 }
 

@@ -1,6 +1,7 @@
 //! One ray against a mesh: the tree, and what is done at its items.
 
 use crate::accel::Visit;
+use crate::hit::Hit;
 use crate::probe::{Counters, Probe};
 use crate::ray::Ray;
 use crate::simd::{self, Kernel, Lanes};
@@ -11,6 +12,36 @@ use super::walk::PrismWalk;
 use super::{MeshCrossing, Method, ReliefMesh};
 
 impl ReliefMesh {
+    /// The nearest hit on some cells, each an unfolded one under a triangle, and on all walls: no tree and no
+    /// bound is asked. `cells` lists them, triangle by triangle, for the ray as it is traced, its start lifted.
+    ///
+    /// It is for suites: what [`Method::Dda`] finds, if all cells are listed that the ray meets.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn closest_among(
+        &self,
+        ray: &Ray,
+        cells: impl FnOnce(&Ray) -> Vec<(u32, [i32; 2])>,
+    ) -> Option<Hit> {
+        let lifted = self.lifted(ray);
+        let line = MeshRay::new(&lifted, self.centre, &self.tree.bounds())?;
+        let mut nearest = Nearest::new(line.t_max, false);
+        for listed in cells(&lifted).chunk_by(|a, b| a.0 == b.0) {
+            let index = listed[0].0;
+            if !self.prisms[index as usize].has_no_volume() {
+                let (ray, nearest) = (&line, &mut nearest);
+                PrismWalk { mesh: self, index, ray, nearest, probe: &mut () }.listed(listed);
+            }
+        }
+        for (index, wall) in (self.prisms.len() as u32..).zip(&self.walls) {
+            wall.meet(index, self, &line, &mut nearest);
+        }
+        let candidate = nearest.found?;
+        let t = (line.t_start + candidate.t).min(ray.t_max);
+        Some(self.complete(ray, &MeshCrossing { t, candidate }))
+    }
+
     /// The nearest crossing, or any.
     pub(super) fn search(
         &self,

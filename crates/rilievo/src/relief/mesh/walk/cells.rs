@@ -72,7 +72,7 @@ impl<P: Probe, Q: Quad> Cells<'_, P, Q> {
 impl<P: Probe> Cells<'_, P, PortableQuad> {
     /// Shows an unfolded cell to the leaf; says whether the search is over.
     #[inline(never)]
-    fn leaf_of_any(&mut self, cell: [i32; 2]) -> bool {
+    pub fn leaf_of_any(&mut self, cell: [i32; 2]) -> bool {
         let corners = self.mesh.relief.heights().unfolded_corners(cell[0], cell[1]);
         if self.prism.shape == Shape::Spread {
             return self.leaf(cell, corners);

@@ -94,6 +94,17 @@ impl<P: Probe> PrismWalk<'_, P> {
         let spare = prism.t_slack / ray.speed();
         Cells { mesh, index, prism, ray, spare, seen: &mut None, nearest, probe }.all()
     }
+
+    /// Shows only some cells under the prism to the leaf, each with the number of its triangle.
+    pub fn listed(self, cells: &[(u32, [i32; 2])]) {
+        let Self { mesh, index, ray, nearest, probe } = self;
+        let prism = &mesh.prisms[index as usize];
+        let spare = prism.t_slack / ray.speed();
+        let mut shown = Cells { mesh, index, prism, ray, spare, seen: &mut None, nearest, probe };
+        for (_, cell) in cells {
+            shown.leaf_of_any(*cell);
+        }
+    }
 }
 
 /// The span of a path inside of a prism, widened.
