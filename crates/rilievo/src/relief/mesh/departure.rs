@@ -88,6 +88,8 @@ impl ReliefMesh {
         let [p, q, r] = prism.lattice.map(DVec2::from_array);
         let (e, f) = (q - p, r - p);
         let corner = DVec2::new(f64::from(cell[0]), f64::from(cell[1]));
+        let near =
+            16.0 * (prism.rounding(self.reach) + f64::EPSILON * self.centre.abs().max_element());
         let mut best = (f64::INFINITY, DMat3::IDENTITY);
         for start in STARTS {
             let mut weights = match prism.shape {
@@ -125,16 +127,82 @@ impl ReliefMesh {
                     break;
                 }
             }
-            if best.0
-                <= 16.0
-                    * (prism.rounding(self.reach) + f64::EPSILON * self.centre.abs().max_element())
-            {
-                break;
+            if best.0 <= near {
+                return best.1;
             }
         }
-        best.1
+        self.jacobian_by_height(prism, cell, &heights, point).unwrap_or(best.1)
     }
 }
+
+impl ReliefMesh {
+    /// The same where steps of Newton do not lead there, as on steep and twisted cells. At a height `h` of the shell
+    /// the base is a level triangle, whose plane passes the point where a cubic in `h` is zero
+    /// \[Ogaki2023\]; of its roots that one counts whose place in the level triangle shows the height nearest to it.
+    #[cold]
+    fn jacobian_by_height(
+        &self,
+        prism: &Prism,
+        cell: [i32; 2],
+        heights: &Heights,
+        point: DVec3,
+    ) -> Option<DMat3> {
+        let [a, b, c] = prism.corners.map(|k| self.vertices[k as usize]);
+        let [p, q, r] = prism.lattice.map(DVec2::from_array);
+        let corner = DVec2::new(f64::from(cell[0]), f64::from(cell[1]));
+        let ends = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| heights.at(x, y));
+        let (low, high) = ends.iter().fold((f64::MAX, f64::MIN), |(l, h), &e| (l.min(e), h.max(e)));
+        let spare = 1e-6 * (high - low) + self.height_slack;
+        let (low, high) = (low - spare, high + spare);
+        // Edges and the way to the point, at the low end and per share of the way to the high one.
+        let level = |v: super::Vertex| v.base + low * v.rise;
+        let (e, f, x) = (level(b) - level(a), level(c) - level(a), point - level(a));
+        let step = high - low;
+        let (de, df, dx) = (step * (b.rise - a.rise), step * (c.rise - a.rise), -step * a.rise);
+        let mixed = de.cross(f) + e.cross(df);
+        let cubic = [
+            e.cross(f).dot(x),
+            mixed.dot(x) + e.cross(f).dot(dx),
+            de.cross(df).dot(x) + mixed.dot(dx),
+            de.cross(df).dot(dx),
+        ];
+        let mut best: Option<(f64, DMat3)> = None;
+        let mut take = |share: f64| {
+            let (e, f, x) = (e + share * de, f + share * df, x + share * dx);
+            let Some(weights) = least_squares([e, f], x) else { return };
+            let at = p + weights.x * (q - p) + weights.y * (r - p) - corner;
+            let height = low + share * step;
+            let outside = (at - at.clamp(DVec2::ZERO, DVec2::ONE)).abs().max_element();
+            let off = (heights.at(at.x, at.y) - height).abs() + outside * step;
+            if best.is_none_or(|best| off < best.0) {
+                let rise = a.rise + weights.x * (b.rise - a.rise) + weights.y * (c.rise - a.rise);
+                best = Some((off, DMat3::from_cols(e, f, rise)));
+            }
+        };
+        let value = |s: f64| cubic[0] + s * (cubic[1] + s * (cubic[2] + s * cubic[3]));
+        for piece in 0..PIECES {
+            let ends = [piece, piece + 1].map(|k| f64::from(k) / f64::from(PIECES));
+            let (mut from, mut to) = (ends[0], ends[1]);
+            let sign = value(from) > 0.0;
+            if sign == (value(to) > 0.0) {
+                continue;
+            }
+            for _ in 0..50 {
+                let middle = 0.5 * (from + to);
+                if (value(middle) > 0.0) == sign {
+                    from = middle;
+                } else {
+                    to = middle;
+                }
+            }
+            take(0.5 * (from + to));
+        }
+        best.map(|best| best.1)
+    }
+}
+
+/// Parts of a cell's heights in each of which the cubic has one root at most, or two so near that either will do.
+const PIECES: u32 = 32;
 
 /// Steps of Gauss and Newton from each start.
 const STEPS: usize = 12;
