@@ -82,3 +82,86 @@ fn faces_without_normals_are_smooth_where_asked() {
     assert!((normal("") - DVec3::new(-1.0, 0.0, 1.0).normalize()).length() < 1e-9);
     assert!((normal("smooth = true") - DVec3::Z).length() < 1e-5);
 }
+
+/// The cube `[-1, 1]^3`: the upper half of its sides of one material, the lower of another, top and bottom of a third.
+fn write_cube(folder: &Path) {
+    let mut obj = "mtllib a.mtl\n".to_owned();
+    for z in [-1, 0, 1] {
+        for (x, y) in [(-1, -1), (1, -1), (1, 1), (-1, 1)] {
+            obj += &format!("v {x} {y} {z}\n");
+        }
+    }
+    obj += "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    for (name, level) in [("lower", 0), ("upper", 4)] {
+        obj += &format!("usemtl {name}\n");
+        for k in 0..4 {
+            let (a, b) = (level + k + 1, level + (k + 1) % 4 + 1);
+            obj += &format!("f {a}/1 {b}/2 {}/3 {}/4\n", b + 4, a + 4);
+        }
+    }
+    obj += "usemtl flat\nf 4/1 3/2 2/3 1/4\nf 9/1 10/2 11/3 12/4\n";
+    fs::write(folder.join("a.obj"), obj).unwrap();
+    let mtl = "newmtl lower\nKd 1 0 0\ndisp -mm 0 0.3 h.png\nnewmtl upper\nKd 0 1 0\ndisp -mm -0.1 0.2 g.png\n\
+               newmtl flat\nKd 0 0 1\n";
+    fs::write(folder.join("a.mtl"), mtl).unwrap();
+    let noise = |seed: u32| -> Vec<u16> {
+        (0..64u32).map(|k| ((k + seed).wrapping_mul(2_654_435_761) >> 16) as u16).collect()
+    };
+    write_png_grey16(&folder.join("h.png"), [8, 8], &noise(1)).unwrap();
+    write_png_grey16(&folder.join("g.png"), [8, 8], &noise(2)).unwrap();
+}
+
+/// Rays from the middle to all edges and faces, and where they end.
+fn escapes(loaded: &LoadedScene) -> usize {
+    let world = loaded.scene.world();
+    let mut count = 0;
+    for i in 0..120 {
+        for j in 0..120 {
+            let at = |k: i32| f64::from(k) / 60.0 - 1.0 + if k % 2 == 0 { 0.0 } else { 0.3 / 60.0 };
+            for (k, side) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
+                let mut direction = DVec3::new(at(i), at(j), 0.0);
+                direction[2] = direction[k];
+                direction[k] = side;
+                count += usize::from(
+                    world.closest(&Ray::new(DVec3::ZERO, direction), &mut ()).is_none(),
+                );
+            }
+        }
+    }
+    count
+}
+
+#[test]
+fn materials_with_displacements_of_their_own_leave_no_hole_between_them() {
+    let dir = tempfile::tempdir().unwrap();
+    write_cube(dir.path());
+    let loaded = load(dir.path(), "file = \"a.obj\"").unwrap();
+    let kinds = loaded.scene.world().surfaces().iter().map(|s| matches!(s, Surface::ReliefMesh(_)));
+    assert_eq!(kinds.filter(|&displaced| displaced).count(), 2);
+    assert_eq!(loaded.scene.world().surfaces().len(), 3);
+    assert_eq!(escapes(&loaded), 0);
+    // Each instance changes the displacement of all parts, and stays closed.
+    let shape = "file = \"a.obj\"\ninstances = [{ displacement = { scale = 0.1 } }]";
+    let text = load(dir.path(), shape).unwrap();
+    assert_eq!(escapes(&text), 0);
+}
+
+#[test]
+fn one_displacement_lies_under_several_materials() {
+    let dir = tempfile::tempdir().unwrap();
+    write_cube(dir.path());
+    let shape = "file = \"a.obj\"\ndisplacement = { map = \"h\", scale = 0.2 }";
+    let loaded = load(dir.path(), shape).unwrap();
+    assert_eq!(loaded.scene.world().surfaces().len(), 3);
+    assert_eq!(escapes(&loaded), 0);
+    let colour = |direction: DVec3| {
+        let hit = loaded.scene.world().closest(&Ray::new(DVec3::ZERO, direction), &mut ());
+        let surface = hit.expect("closed").surface;
+        loaded.scene.material(surface).diffuse.clone()
+    };
+    let far = |z: f64| colour(DVec3::new(0.9, 0.1, z));
+    assert!(far(0.5) != far(-0.5) && far(0.5) != colour(DVec3::Z));
+    // A material of the scene goes before those of the file: one surface.
+    let shape = format!("{shape}\nmaterial = \"m\"\n[materials.m]\ndiffuse = [1, 1, 1]");
+    assert_eq!(load(dir.path(), &shape).unwrap().scene.world().surfaces().len(), 1);
+}

@@ -26,16 +26,14 @@ impl Loader<'_> {
         motion: Option<&Located<Motion>>,
     ) -> Result<Vec<(Surface, u32)>> {
         let own: Prototypes = surfaces.into_iter().map(|(s, m)| (Arc::new(s), m)).collect();
-        let mut changed: HashMap<[u64; 6], Prototypes> = HashMap::new();
+        let mut changed: HashMap<Vec<u64>, Prototypes> = HashMap::new();
         let mut all = Vec::with_capacity(entries.len() * own.len());
         for entry in entries {
             let prototypes = match &entry.displacement {
                 None => &own,
                 Some(changes) => {
-                    let mut key = [0; 6];
-                    if let Some(displacement) = own.iter().find_map(|(s, _)| displacement(s)) {
-                        key = bits(&changes.value.of(displacement));
-                    }
+                    let displaced = own.iter().filter_map(|(surface, _)| displacement(surface));
+                    let key = displaced.flat_map(|d| bits(&changes.value.of(d))).collect();
                     match changed.entry(key) {
                         Entry::Occupied(there) => &*there.into_mut(),
                         Entry::Vacant(free) => &*free.insert(self.changed(&own, entry)?),
@@ -95,11 +93,15 @@ impl Loader<'_> {
         let refuse = |found: String, allowed: &str| {
             self.file.invalid(&changes.at, "displacement", found, allowed.to_owned())
         };
+        if own.iter().all(|(surface, _)| displacement(surface).is_none()) {
+            let found = "the shape has no displacement to change".to_owned();
+            return Err(refuse(found, "nothing, or a shape with `displacement`"));
+        }
         let mut all = Vec::new();
         for (surface, material) in own {
             let Some(displacement) = displacement(surface) else {
-                let found = "the shape has no displacement to change".to_owned();
-                return Err(refuse(found, "nothing, or a shape with `displacement`"));
+                all.push((Arc::clone(surface), *material));
+                continue;
             };
             let displacement = changes.value.of(displacement);
             let surface = match surface.as_ref() {
@@ -112,7 +114,7 @@ impl Loader<'_> {
                     .map(Surface::from)
                     .map_err(|e| refuse(e.to_string(), ""))?,
                 Surface::ReliefMesh(mesh) => mesh
-                    .with_displacement(displacement)
+                    .with_displacements(|own| changes.value.of(own))
                     .map(Surface::from)
                     .map_err(|e| refuse(e.to_string(), ""))?,
                 other => other.clone(),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rilievo::glam::{DAffine3, DVec3};
 use rilievo::map::{DistanceMap, DistanceOptions, Metric};
 use rilievo::mesh::Mesh;
-use rilievo::relief::{Displacement, MeshOptions, Relief, ReliefMesh, ReliefMeshError};
+use rilievo::relief::{Displacement, MeshOptions, MeshPart, Relief, ReliefMesh, ReliefMeshError};
 use rilievo::surface::Surface;
 use rilievo_render::Material;
 use rilievo_render::light::{Light, PointLight, SunLight};
@@ -18,7 +18,7 @@ use super::resolve::Loader;
 use super::syntax::Located;
 use crate::error::{Error, Result};
 use crate::image::HeightOptions;
-use crate::mesh::{ImageSource, LightKind, Model, ModelLight};
+use crate::mesh::{ImageSource, LightKind, Model, ModelLight, ModelMaterial};
 
 /// A map with the distance map that the method of `options` walks, if it walks one; or what is wrong.
 fn with_distance(
@@ -83,7 +83,8 @@ impl Loader<'_> {
         })
     }
 
-    /// The model of an entry cut by its materials, placed, each part displaced as its material says.
+    /// The model of an entry cut by its materials, placed, each part displaced as its material says, and walls between
+    /// them.
     pub(super) fn parts(&mut self, entry: &MeshEntry) -> Result<Vec<(Surface, Option<Material>)>> {
         let (file, place) = (&entry.file, entry.world_from_object.as_ref());
         let model = self.model(entry)?;
@@ -94,13 +95,14 @@ impl Loader<'_> {
         // Displacements are in units of the file.
         let unit = place.map_or(1.0, |place| place.value.matrix3.determinant().abs().cbrt());
         let mut reliefs: Vec<(&ImageSource, Arc<Relief>)> = Vec::new();
-        let mut parts = Vec::new();
+        let (mut meshes, mut parts, mut materials) = (Vec::new(), Vec::new(), Vec::new());
         for (data, material) in model.by_material() {
             let mesh = self.placed(data, file, place)?;
             let material = material.and_then(|index| model.materials.get(index));
-            let own = material.map(|m| self.model_material(m)).transpose()?;
+            materials.push((material, material.map(|m| self.model_material(m)).transpose()?));
             let Some(displacement) = material.and_then(|m| m.displacement.as_ref()) else {
-                parts.push((mesh.into(), own));
+                parts.push(MeshPart::plain(&mesh));
+                meshes.push(mesh);
                 continue;
             };
             let image = &displacement.image;
@@ -125,25 +127,45 @@ impl Loader<'_> {
             };
             let scene = self.file;
             let refuse = |found| scene.invalid(&file.at, "displacement", found, String::new());
-            let relief = with_distance(relief, &mesh, &options).map_err(refuse)?;
-            let mut displaced = ReliefMesh::new(&mesh, relief, options.clone()).map_err(|e| {
-                let what = format!("displacement of {:?}", material.map_or("", |m| &m.name));
-                let allowed = match e {
-                    ReliefMeshError::NoUv(_) => "texture coordinates, or `projection` in the shape",
-                    _ => "",
-                };
-                self.file.invalid(&file.at, &what, e.to_string(), allowed.to_owned())
-            })?;
+            let mut relief = with_distance(relief, &mesh, &options).map_err(refuse)?;
             if entry.matched {
-                displaced = self.matched(entry, &mesh, displaced, |relief| {
+                let alone = ReliefMesh::new(&mesh, relief, options.clone());
+                let alone = alone.map_err(|e| self.not_laid(file, material, &e))?;
+                let matched = self.matched(entry, &mesh, alone, |relief| {
                     let relief = with_distance(Arc::new(relief), &mesh, &options);
                     relief.map(Arc::unwrap_or_clone).map_err(refuse)
                 })?;
+                relief = Arc::clone(matched.relief());
             }
-            self.tell(&file.value, displaced.report());
-            parts.push((displaced.into(), own));
+            parts.push(MeshPart::displaced(&mesh, relief, options));
+            meshes.push(mesh);
         }
-        Ok(parts)
+        let joined = ReliefMesh::joined(&parts)
+            .map_err(|(part, e)| self.not_laid(file, materials[part].0, &e))?;
+        let all = joined.into_iter().zip(meshes).zip(materials);
+        let surfaces = all.map(|((displaced, mesh), (_, own))| match displaced {
+            Some(displaced) => {
+                self.tell(&file.value, displaced.report());
+                (displaced.into(), own)
+            }
+            None => (mesh.into(), own),
+        });
+        Ok(surfaces.collect())
+    }
+
+    /// Why the displacement of a model's material was refused.
+    fn not_laid(
+        &self,
+        file: &Located<String>,
+        material: Option<&ModelMaterial>,
+        error: &ReliefMeshError,
+    ) -> Error {
+        let what = format!("displacement of {:?}", material.map_or("", |m| &m.name));
+        let allowed = match error {
+            ReliefMeshError::NoUv(_) => "texture coordinates, or `projection` in the shape",
+            _ => "",
+        };
+        self.file.invalid(&file.at, &what, error.to_string(), allowed.to_owned())
     }
 
     /// Adds the lights of a model: a candela counts as 1 W/sr, a lux as 1 W/m^2. A transform moves and turns

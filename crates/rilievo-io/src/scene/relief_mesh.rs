@@ -6,8 +6,10 @@ use std::sync::Arc;
 use rilievo::glam::DVec2;
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{
-    Displacement, Edges, MeshOptions, MeshReport, Method, Relief, ReliefMesh, ReliefMeshError,
+    Displacement, Edges, MeshOptions, MeshPart, MeshReport, Method, Relief, ReliefMesh,
+    ReliefMeshError,
 };
+use rilievo::surface::Surface;
 use rilievo_render::Material;
 
 use super::file::{DisplacementEntry, MeshEntry, QuadEntry};
@@ -25,27 +27,18 @@ pub(super) fn sides(mesh: &Mesh, displacement: &Displacement) -> [f64; 2] {
 }
 
 impl Loader<'_> {
-    /// The mesh of an entry, displaced, and the material of its file where that has one for all.
+    /// The mesh of an entry under one displacement: whole, or, if the materials of its file are `wanted`, joined of
+    /// one part for each of them.
     pub(super) fn relief_mesh(
         &mut self,
         entry: &MeshEntry,
         displacement: &DisplacementEntry,
-    ) -> Result<(ReliefMesh, Option<Material>)> {
+        wanted: bool,
+    ) -> Result<Vec<(Surface, Option<Material>)>> {
         let model = self.model(entry)?;
-        let material = match model.materials.as_slice() {
-            [one] => Some(self.model_material(one)?),
-            [] => None,
-            many => {
-                let note = format!(
-                    "{}: displaced as one surface; the {} materials of the file are not used",
-                    entry.file.value,
-                    many.len()
-                );
-                self.notes.push(note);
-                None
-            }
-        };
-        let mesh = self.placed(model.mesh, &entry.file, entry.world_from_object.as_ref())?;
+        let place = entry.world_from_object.as_ref();
+        let cut = if wanted { model.by_material() } else { Vec::new() };
+        let mesh = self.placed(model.mesh, &entry.file, place)?;
         let options =
             MeshOptions { displacement: displacement.displacement, ..self.mesh_options(entry) };
         let mut laid = self.laid_on(&mesh, displacement, options)?;
@@ -66,7 +59,25 @@ impl Loader<'_> {
             })?;
         }
         self.tell(&entry.file.value, laid.report());
-        Ok((laid, material))
+        let (mut parts, mut materials) = (Vec::new(), Vec::new());
+        let several = cut.len() > 1;
+        for (data, material) in cut {
+            if several {
+                let mesh = self.placed(data, &entry.file, place)?;
+                let (relief, options) = (Arc::clone(laid.relief()), laid.options().clone());
+                parts.push(MeshPart::displaced(&mesh, relief, options));
+            }
+            let material = material.and_then(|index| model.materials.get(index));
+            materials.push(material.map(|from| self.model_material(from)).transpose()?);
+        }
+        if !several {
+            return Ok(vec![(laid.into(), materials.pop().flatten())]);
+        }
+        let joined = ReliefMesh::joined(&parts).map_err(|(_, e)| {
+            self.file.invalid(&displacement.at, "displacement", e.to_string(), String::new())
+        })?;
+        let parts = joined.into_iter().zip(materials);
+        Ok(parts.filter_map(|(mesh, material)| Some((mesh?.into(), material))).collect())
     }
 
     /// The same displaced mesh over a map that is baked towards equal heights at its seams; `complete`

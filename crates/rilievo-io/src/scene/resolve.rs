@@ -308,8 +308,8 @@ impl<'a> Loader<'a> {
         match &entry.shape {
             Shape::Mesh(mesh) => match &mesh.displacement {
                 Some(displacement) => {
-                    let (mesh, from) = self.relief_mesh(mesh, displacement)?;
-                    Ok(vec![(mesh.into(), own(from))])
+                    let parts = self.relief_mesh(mesh, displacement, entry.material.is_none())?;
+                    Ok(parts.into_iter().map(|(surface, from)| (surface, own(from))).collect())
                 }
                 None if entry.material.is_none() => {
                     let parts = self.parts(mesh)?;

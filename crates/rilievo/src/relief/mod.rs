@@ -56,7 +56,7 @@ pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
 pub use lattice_frame::LatticeFrame;
 pub use mesh::{
-    Edges, MeshCrossing, MeshOptions, MeshReport, ReliefMesh, ReliefMeshError, SeamSteps,
+    Edges, MeshCrossing, MeshOptions, MeshPart, MeshReport, ReliefMesh, ReliefMeshError, SeamSteps,
 };
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};

@@ -78,8 +78,8 @@ pub const FILE: Key<Text, Required> = Key::new(
     "file",
     Text("path"),
     Required(""),
-    "OBJ, PLY, glTF, GLB; without `material` and `displacement` those of its own materials are \
-     taken, see [assets](ASSETS.md)",
+    "OBJ, PLY, glTF, GLB; without `material` those of its own are taken, without `displacement` as \
+     well what they say of that, see [assets](ASSETS.md)",
 );
 pub const PROJECTION: Key<Choice<Projection>, Optional> = Key::new(
     "projection",

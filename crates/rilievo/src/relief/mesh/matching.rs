@@ -101,7 +101,8 @@ impl ReliefMesh {
 
     /// Calls `see` for all samples along seams, in order.
     fn each_sample(&self, mut see: impl FnMut([Bilinear; 2])) {
-        let seams = || self.walls.iter().filter_map(|wall| Some((wall, wall.second.as_ref()?)));
+        let own = || self.walls.iter().filter(|wall| wall.neighbour.is_none());
+        let seams = || own().filter_map(|wall| Some((wall, wall.second.as_ref()?)));
         let wanted = |(wall, second): (&Wall, &Side)| {
             let cells = wall.first.cells().max(second.cells());
             (2.0 * cells).ceil().max(1.0)

@@ -24,6 +24,7 @@ mod departure;
 mod footprint;
 mod frame;
 mod hit;
+mod joined;
 mod leaf;
 mod line;
 mod matching;
@@ -40,7 +41,6 @@ mod wall;
 use std::sync::Arc;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::accel::{Aabb, WideBvh};
 use crate::hit::Hit;
@@ -51,13 +51,14 @@ use crate::ray::Ray;
 use super::Relief;
 use super::method::Method;
 use super::options::Displacement;
-use footprint::{Footprint, MARGIN};
+use footprint::Footprint;
+pub use joined::MeshPart;
+use joined::{Neighbour, Whole};
 pub use matching::SeamSteps;
 use nearest::Candidate;
 pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
 use prism::{Prism, Shape};
-use seams::Seams;
-use vertices::{Offsets, Vertex, Vertices};
+use vertices::{Offsets, Vertex};
 use wall::{Side, Wall};
 
 /// Largest magnitude of a lattice coordinate.
@@ -80,8 +81,14 @@ pub struct ReliefMesh {
     /// One a triangle.
     prisms: Vec<Prism>,
     walls: Vec<Wall>,
+    /// What other parts show, by their indices; nothing if no wall asks.
+    neighbours: Vec<Option<Neighbour>>,
+    /// The parts it is one of, if it was joined.
+    whole: Option<Whole>,
     /// Over prisms, and walls after all prisms.
     tree: WideBvh,
+    /// The box that rays are cut to: the tree's, or that of all parts.
+    cut: Aabb,
     /// Bounds all coordinates of rays in the mesh's box and of the mesh, with a factor to spare.
     reach: f64,
     /// By how much heights of reported roots may lie outside of the bounds of their cell.
@@ -111,11 +118,15 @@ impl ReliefMesh {
     }
 
     /// The same mesh under another displacement. Base and relief are shared; prisms are made anew, in
-    /// a time that does not depend on the size of the map.
+    /// a time that does not depend on the size of the map. What it is joined to stays as it was, walls
+    /// included; see [`ReliefMesh::with_displacements`].
     ///
     /// # Errors
     /// As [`ReliefMesh::new`], for numbers of the displacement.
     pub fn with_displacement(&self, displacement: Displacement) -> Result<Self, ReliefMeshError> {
+        if let Some(whole) = &self.whole {
+            return Self::among(whole, displacement);
+        }
         let options = MeshOptions { displacement, ..self.options.clone() };
         Self::laid(Arc::clone(&self.data), Arc::clone(&self.relief), options)
     }
@@ -137,64 +148,9 @@ impl ReliefMesh {
         relief: Arc<Relief>,
         options: MeshOptions,
     ) -> Result<Self, ReliefMeshError> {
-        let method = options.method;
-        if !method.is_exact() {
-            return Err(ReliefMeshError::Method(method));
-        }
-        if let Some(kind) = method.distance_kind()
-            && relief.distance(kind).is_none()
-        {
-            return Err(ReliefMeshError::NoDistanceMap { method, kind });
-        }
-        if let Some((key, value, allowed)) = options.displacement.fault() {
-            return Err(ReliefMeshError::Displacement { key, value, allowed });
-        }
-        let lattice = lattice(&data, &relief, &options.displacement)?;
-        let corners = data.triangles.iter().flat_map(|t| t.positions);
-        let centre = Aabb::around(corners.map(|p| data.positions[p as usize])).centre();
-        let offsets = Offsets::new(relief.heights(), &options.displacement);
-        let vertices = Vertices::new(&data, centre, &offsets, options.edges);
-        let size = (vertices.all.iter())
-            .map(|v| v.base.abs().max_element() + offsets.half_range * v.rise.abs().max_element())
-            .fold(0.0, f64::max);
-        let finite = vertices.all.iter().all(|v| v.base.is_finite() && v.rise.is_finite());
-        if size > MAX_REACH || !finite {
-            return Err(ReliefMeshError::TooLarge { found: size });
-        }
-        let reach = 4.0 * size;
-        let level = f64::from(offsets.level);
-        let prisms: Vec<Prism> = (vertices.corners.par_iter().zip(&lattice))
-            .map(|(&corners, &lattice)| {
-                let range = Footprint::new(lattice).raw_range(&relief);
-                let range = range.map(|raw| f64::from(raw) - level);
-                Prism::new(corners, &vertices.all, lattice, range, reach)
-            })
-            .collect();
-        let closed = options.closed && options.edges == Edges::Shared;
-        let seams = match options.edges {
-            Edges::Shared => Seams::find(&data, &vertices, &prisms, relief.heights(), closed),
-            Edges::AsAuthored => Seams::default(),
-        };
-        let mut all = Self {
-            height_slack: 8.0 * MARGIN * offsets.half_range,
-            data,
-            relief,
-            options,
-            report: MeshReport::default(),
-            centre,
-            offsets,
-            vertices: vertices.all,
-            prisms,
-            walls: seams.walls,
-            tree: WideBvh::default(),
-            reach,
-        };
-        all.report.seam_walls = seams.between;
-        all.report.border_walls = seams.borders;
-        all.report.open_edges = seams.open;
-        all.judge_triangles();
-        all.plant();
-        Ok(all)
+        let alone = [MeshPart::of(data, relief, options)];
+        let laid = joined::lay(&alone, |_| true).map_err(|(_, error)| error)?;
+        laid.into_iter().flatten().next().ok_or(ReliefMeshError::NotDisplaced)
     }
 
     /// Lists the triangles that are out of the ordinary.
@@ -225,10 +181,10 @@ impl ReliefMesh {
         }
         for (index, wall) in (count..).zip(&self.walls) {
             let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-            for side in std::iter::once(&wall.first).chain(&wall.second) {
-                let [a, b] = side.ends;
-                let shown = Footprint::new([a, b, b]).raw_range(&self.relief);
-                let [low, high] = shown.map(|raw| f64::from(raw) - f64::from(self.offsets.level));
+            for (side, beside) in std::iter::once((&wall.first, None))
+                .chain(wall.second.iter().map(|side| (side, wall.neighbour)))
+            {
+                let [low, high] = self.range_of(side, beside);
                 range = [range[0].min(low), range[1].max(high)];
             }
             if wall.second.is_none() {
@@ -333,11 +289,31 @@ impl ReliefMesh {
         self.search(ray, false, probe.counters())
     }
 
+    /// Lowest and highest height over the level that a side of an edge shows, here or on another part.
+    fn range_of(&self, side: &Side, beside: Option<u32>) -> [f64; 2] {
+        let [a, b] = side.ends;
+        let shown = |relief: &Relief| Footprint::new([a, b, b]).raw_range(relief).map(f64::from);
+        match beside.and_then(|part| self.neighbours[part as usize].as_ref()) {
+            None => shown(&self.relief).map(|raw| raw - f64::from(self.offsets.level)),
+            Some(Neighbour { relief, offsets }) => {
+                let [a, b] = shown(relief)
+                    .map(|raw| self.offsets.height(offsets.offset(raw - f64::from(offsets.level))));
+                [a.min(b), a.max(b)]
+            }
+        }
+    }
+
+    /// Height over the level that a side of an edge of another part shows.
+    fn height_beside(&self, part: u32, side: &Side, s: f64) -> f64 {
+        let Some(Neighbour { relief, offsets }) = &self.neighbours[part as usize] else {
+            return self.offsets.base();
+        };
+        self.offsets.height(offsets.offset(side.height(relief.heights(), offsets.level, s)))
+    }
+
     /// Height over the level that a side of an edge shows.
     fn height_over(&self, side: &Side, s: f64) -> f64 {
-        let (cell, at) = side.place(s);
-        let corners = self.relief.heights().unfolded_corners(cell[0], cell[1]);
-        patch::Heights::new(corners, self.offsets.level).at(at[0], at[1])
+        side.height(self.relief.heights(), self.offsets.level, s)
     }
 }
 

@@ -58,6 +58,9 @@ pub struct MeshReport {
 /// Why a displaced mesh was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReliefMeshError {
+    /// There is no displacement to change.
+    #[error("the mesh is not displaced")]
+    NotDisplaced,
     /// A triangle cannot show a map.
     #[error("triangle {0} has no texture coordinates")]
     NoUv(u32),

@@ -25,7 +25,7 @@ impl ReliefMesh {
         cells: impl FnOnce(&Ray) -> Vec<(u32, [i32; 2])>,
     ) -> Option<Hit> {
         let lifted = self.lifted(ray);
-        let line = MeshRay::new(&lifted, self.centre, &self.tree.bounds())?;
+        let line = MeshRay::new(&lifted, self.centre, &self.cut)?;
         let mut nearest = Nearest::new(line.t_max, false);
         for listed in cells(&lifted).chunk_by(|a, b| a.0 == b.0) {
             let index = listed[0].0;
@@ -71,7 +71,7 @@ impl<P: Probe> Kernel for Search<'_, P> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<MeshCrossing> {
         let Self { mesh, ray, any, probe } = self;
-        let line = MeshRay::new(&mesh.lifted(ray), mesh.centre, &mesh.tree.bounds())?;
+        let line = MeshRay::new(&mesh.lifted(ray), mesh.centre, &mesh.cut)?;
         let mut nearest = Nearest::new(line.t_max, any);
         let mut items = Items { mesh, line: &line, nearest: &mut nearest };
         mesh.tree.walk::<L, P>(&line.as_ray(), &mut items, probe);

@@ -51,9 +51,45 @@ impl Offsets {
         Self { level, unit, lift, half_range }
     }
 
+    /// The offset of a height over the level.
+    pub fn offset(&self, height: f64) -> f64 {
+        height * self.unit + self.lift
+    }
+
+    /// The height over the level of an offset.
+    pub fn height(&self, offset: f64) -> f64 {
+        (offset - self.lift) / self.unit
+    }
+
     /// Height over the level that lies on the base.
     pub fn base(&self) -> f64 {
         -self.lift / self.unit
+    }
+}
+
+/// The places of all parts of a mesh, and the normal of each.
+pub(super) struct Ground {
+    /// For each part and triangle, the places of its corners.
+    pub places: Vec<Vec<[u32; 3]>>,
+    /// Unit normals by place; zero where those around it cancel.
+    normals: Vec<DVec3>,
+}
+
+impl Ground {
+    pub fn of(parts: &[&MeshData]) -> Self {
+        let mut known = HashMap::new();
+        let places: Vec<Vec<[u32; 3]>> = (parts.iter())
+            .map(|data| {
+                let place_of = places(&data.positions, &mut known);
+                let corners = data.triangles.iter().map(|t| t.positions);
+                corners.map(|corners| corners.map(|p| place_of[p as usize])).collect()
+            })
+            .collect();
+        let mut sums = vec![DVec3::ZERO; known.len()];
+        for (data, places) in parts.iter().zip(&places) {
+            add_normals(&mut sums, data, places);
+        }
+        Self { places, normals: sums.into_iter().map(DVec3::normalize_or_zero).collect() }
     }
 }
 
@@ -62,17 +98,18 @@ pub(super) struct Vertices {
     pub all: Vec<Vertex>,
     /// For each triangle, its corners in `all`.
     pub corners: Vec<[u32; 3]>,
-    /// For each triangle, the places of its corners.
-    pub places: Vec<[u32; 3]>,
 }
 
 impl Vertices {
-    pub fn new(data: &MeshData, centre: DVec3, offsets: &Offsets, edges: Edges) -> Self {
-        let place_of = places(&data.positions);
-        let places: Vec<[u32; 3]> = (data.triangles.iter())
-            .map(|triangle| triangle.positions.map(|p| place_of[p as usize]))
-            .collect();
-        let shared = shared_normals(data, &places);
+    /// Those of a part of the ground.
+    pub fn new(
+        data: &MeshData,
+        (ground, part): (&Ground, usize),
+        centre: DVec3,
+        offsets: &Offsets,
+        edges: Edges,
+    ) -> Self {
+        let places = &ground.places[part];
         let vertex = |position: DVec3, normal: DVec3| Vertex {
             base: (position - centre) + offsets.lift * normal,
             rise: offsets.unit * normal,
@@ -80,7 +117,7 @@ impl Vertices {
         let mut all = Vec::new();
         let mut known: HashMap<(u32, Option<u32>), u32> = HashMap::new();
         let mut corners = Vec::with_capacity(places.len());
-        for (triangle, places) in data.triangles.iter().zip(&places) {
+        for (triangle, places) in data.triangles.iter().zip(places) {
             corners.push([0, 1, 2].map(|k| {
                 let authored = match edges {
                     Edges::Shared => None,
@@ -92,20 +129,20 @@ impl Vertices {
                 *known.entry((places[k], authored)).or_insert_with(|| {
                     let normal = match authored {
                         Some(n) => data.normals[n as usize].normalize_or_zero(),
-                        None => shared[places[k] as usize],
+                        None => ground.normals[places[k] as usize],
                     };
                     all.push(vertex(data.positions[triangle.positions[k] as usize], normal));
                     all.len() as u32 - 1
                 })
             }));
         }
-        Self { all, corners, places }
+        Self { all, corners }
     }
 }
 
 /// For each position the number of its place.
-fn places(positions: &[DVec3]) -> Vec<u32> {
-    let mut known = HashMap::with_capacity(positions.len());
+fn places(positions: &[DVec3], known: &mut HashMap<[u64; 3], u32>) -> Vec<u32> {
+    known.reserve(positions.len());
     let mut of = Vec::with_capacity(positions.len());
     for position in positions {
         // Adding 0 makes -0 the same as 0.
@@ -116,10 +153,8 @@ fn places(positions: &[DVec3]) -> Vec<u32> {
     of
 }
 
-/// Unit normals by place; zero where those around it cancel.
-fn shared_normals(data: &MeshData, places: &[[u32; 3]]) -> Vec<DVec3> {
-    let count = places.iter().flatten().max().map_or(0, |&p| p as usize + 1);
-    let mut sums = vec![DVec3::ZERO; count];
+/// Adds the normals of triangles to those of their places, weighted by their angles.
+fn add_normals(sums: &mut [DVec3], data: &MeshData, places: &[[u32; 3]]) {
     for (triangle, places) in data.triangles.iter().zip(places) {
         let p = triangle.positions.map(|p| data.positions[p as usize]);
         let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
@@ -131,5 +166,4 @@ fn shared_normals(data: &MeshData, places: &[[u32; 3]]) -> Vec<DVec3> {
             }
         }
     }
-    sums.into_iter().map(DVec3::normalize_or_zero).collect()
 }

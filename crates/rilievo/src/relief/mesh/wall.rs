@@ -9,9 +9,12 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::map::HeightMap;
+
 use super::ReliefMesh;
 use super::line::MeshRay;
 use super::nearest::{Candidate, Nearest};
+use super::patch::Heights;
 use super::vertices::Vertex;
 
 /// By how much a wall is longer than its edge, and higher than its sides, as a fraction.
@@ -46,6 +49,12 @@ impl Side {
         }
         (cell, at)
     }
+
+    /// Height over a level that the side shows of a map.
+    pub fn height(&self, heights: &HeightMap, level: f32, s: f64) -> f64 {
+        let (cell, at) = self.place(s);
+        Heights::new(heights.unfolded_corners(cell[0], cell[1]), level).at(at[0], at[1])
+    }
 }
 
 /// A wall over an edge; it runs as the edge does in the first side's triangle.
@@ -58,6 +67,8 @@ pub(super) struct Wall {
     pub first: Side,
     /// Nothing at an open border, where the wall goes down to offset 0.
     pub second: Option<Side>,
+    /// The part whose map the second side shows, if it is not the mesh's own.
+    pub neighbour: Option<u32>,
 }
 
 /// A point of a wall and its surroundings, relative to the mesh's centre.
@@ -73,8 +84,12 @@ impl Wall {
     /// Heights of both sides at a place along the edge.
     pub fn heights(&self, mesh: &ReliefMesh, s: f64) -> [f64; 2] {
         let s = s.clamp(0.0, 1.0);
-        let first = mesh.height_over(&self.first, s);
-        [first, self.second.as_ref().map_or(mesh.offsets.base(), |side| mesh.height_over(side, s))]
+        let second = match (&self.second, self.neighbour) {
+            (None, _) => mesh.offsets.base(),
+            (Some(side), None) => mesh.height_over(side, s),
+            (Some(side), Some(part)) => mesh.height_beside(part, side, s),
+        };
+        [mesh.height_over(&self.first, s), second]
     }
 
     /// Where the ray meets the wall; says whether the search is over.
