@@ -174,6 +174,14 @@ pub fn all_cases() -> Vec<Case> {
     all
 }
 
+/// The case of a name.
+///
+/// # Panics
+/// If there is none.
+pub fn case(name: &str) -> Case {
+    all_cases().into_iter().find(|case| case.name == name).expect("a case of this name")
+}
+
 /// A case whose map is baked towards equal heights at seams.
 fn matched(case: Case) -> Case {
     let mesh = case.mesh(Method::Pyramid, DAffine3::IDENTITY);
@@ -205,6 +213,11 @@ pub fn ray(mesh: &ReliefMesh, random: &mut Random) -> Ray {
         _ => inside(random, 1.0),
     };
     let mut ray = Ray::between(origin, inside(random, 0.9));
+    if random.one_in(6) {
+        // In a plane of two axes, or along one.
+        ray.direction[random.integer(0, 2) as usize] = 0.0 * random.sign();
+        ray.direction[random.integer(0, 2) as usize] *= f64::from(random.integer(0, 1));
+    }
     ray.t_max = if random.one_in(4) { random.unit() } else { f64::INFINITY };
     ray
 }

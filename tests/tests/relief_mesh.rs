@@ -9,7 +9,9 @@ use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{Displacement, MeshOptions, Method, Relief, ReliefMesh};
 use rilievo::{Counters, Ray, SimdLevel};
 use rilievo_tests::maps::Shape;
-use rilievo_tests::mesh_cases::{all_cases, cases, places, point_near, ray, reach, size, target};
+use rilievo_tests::mesh_cases::{
+    all_cases, case, cases, places, point_near, ray, reach, size, target,
+};
 use rilievo_tests::mesh_oracle::Verdict;
 use rilievo_tests::random::Random;
 
@@ -194,6 +196,23 @@ fn levels_and_layouts_give_the_same_bits() {
             for k in 0..3000 {
                 let ray = ray(&reference, &mut Random::new(&[35, k]));
                 assert_eq!(reference.closest(&ray, &mut ()), other.closest(&ray, &mut ()));
+            }
+        }
+    }
+}
+
+/// A ray along an axis is not cut before it leaves the box, whatever the sign of its zeros.
+#[test]
+fn rays_along_axes_reach_the_far_side() {
+    let mesh = case("cube").mesh(Method::Pyramid, DAffine3::IDENTITY);
+    for axis in 0..3 {
+        for zero in [0.0, -0.0] {
+            for side in [-1.0, 1.0] {
+                let mut direction = DVec3::splat(zero);
+                direction[axis] = side;
+                let hit = mesh.closest(&Ray::new(DVec3::ZERO, direction), &mut ());
+                let hit = hit.expect("the middle is inside");
+                assert!(!hit.front && (0.7..1.3).contains(&hit.t), "{hit:?}");
             }
         }
     }

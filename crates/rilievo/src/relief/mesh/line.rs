@@ -44,6 +44,9 @@ impl MeshRay {
         // Wider than any rounding: only what is far beyond the box is cut off.
         let mut leave = f64::INFINITY;
         for k in 0..3 {
+            if d[k] == 0.0 {
+                continue;
+            }
             let face = if d[k] > 0.0 { bounds.max[k] } else { bounds.min[k] };
             let t = (face - local.origin[k]) / d[k];
             // Passes over NaN.
