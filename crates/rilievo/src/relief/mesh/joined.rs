@@ -22,7 +22,7 @@ use crate::mesh::{Mesh, MeshData};
 use super::footprint::{Footprint, MARGIN};
 use super::options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
 use super::prism::Prism;
-use super::seams::{SeamSide, Seams};
+use super::seams::{SeamSide, Seams, Shown};
 use super::vertices::{Ground, Offsets, Vertices};
 use super::{Displacement, MAX_REACH, Relief, ReliefMesh, lattice};
 
@@ -180,7 +180,11 @@ pub(super) fn lay(
             Some(draft) if draft.options.edges == Edges::AsAuthored => None,
             Some(draft) => Some(SeamSide {
                 places: &ground.places[own],
-                shown: Some((draft.relief, &draft.offsets, &draft.lattice)),
+                shown: Some(Shown {
+                    relief: draft.relief,
+                    offsets: &draft.offsets,
+                    lattice: &draft.lattice,
+                }),
                 corners: &draft.vertices.corners,
                 displacement: draft.options.displacement,
                 closed: draft.options.closed,
@@ -194,7 +198,7 @@ pub(super) fn lay(
             }),
         })
         .collect();
-    let mut seams: Vec<Seams> = Seams::find(&sides).into_iter().collect();
+    let mut seams = Seams::find(&sides);
     let neighbours: Vec<Option<Neighbour>> = (drafts.iter())
         .map(|draft| {
             let Draft { relief, offsets, .. } = draft.as_ref()?;

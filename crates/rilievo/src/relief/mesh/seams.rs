@@ -23,13 +23,21 @@ pub(super) struct Seams {
     pub beside: bool,
 }
 
+/// What a part shows.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub relief: &'a Arc<Relief>,
+    pub offsets: &'a Offsets,
+    /// Lattice coordinates of the corners of all triangles.
+    pub lattice: &'a [[[f64; 2]; 3]],
+}
+
 /// A part as its edges see it.
 pub(super) struct SeamSide<'a> {
     /// For each triangle, the places of its corners.
     pub places: &'a [[u32; 3]],
-    /// Its map, what heights of it mean, and the lattice coordinates of all triangles; nothing if it is not
-    /// displaced.
-    pub shown: Option<(&'a Arc<Relief>, &'a Offsets, &'a [[[f64; 2]; 3]])>,
+    /// Nothing if it is not displaced.
+    pub shown: Option<Shown<'a>>,
     /// For each triangle, the vertices of its corners.
     pub corners: &'a [[u32; 3]],
     pub displacement: Displacement,
@@ -48,7 +56,7 @@ struct Use {
 impl SeamSide<'_> {
     /// What an edge shows, from its first place to its second or the other way; nothing if the part is not displaced.
     fn side(&self, of: &Use, turned: bool) -> Option<Side> {
-        let lattice = self.shown?.2[of.triangle as usize];
+        let lattice = self.shown?.lattice[of.triangle as usize];
         let (p, q) = (lattice[of.edge], lattice[(of.edge + 1) % 3]);
         let third = lattice[(of.edge + 2) % 3];
         let inside = [0, 1].map(|k| third[k] - 0.5 * (p[k] + q[k]));
@@ -58,8 +66,8 @@ impl SeamSide<'_> {
     /// Whether another part shows the same map in the same way.
     fn shows_as(&self, other: &Self) -> bool {
         match (&self.shown, &other.shown) {
-            (Some((a, ..)), Some((b, ..))) => {
-                Arc::ptr_eq(a, b) && self.displacement == other.displacement
+            (Some(a), Some(b)) => {
+                Arc::ptr_eq(a.relief, b.relief) && self.displacement == other.displacement
             }
             _ => false,
         }
@@ -67,9 +75,10 @@ impl SeamSide<'_> {
 
     /// The offset in the middle of an edge.
     fn middle(&self, of: &Use) -> f64 {
-        let (Some((relief, offsets, _)), Some(side)) = (self.shown, self.side(of, false)) else {
+        let (Some(shown), Some(side)) = (self.shown, self.side(of, false)) else {
             return 0.0;
         };
+        let Shown { relief, offsets, .. } = shown;
         offsets.offset(side.height(relief.heights(), offsets.level, 0.5))
     }
 }
@@ -98,8 +107,8 @@ impl Seams {
         }
         let jumps: Vec<[bool; 2]> = (parts.iter())
             .map(|part| match part.as_ref().and_then(|part| part.shown) {
-                Some((relief, ..)) => {
-                    let heights = relief.heights();
+                Some(shown) => {
+                    let heights = shown.relief.heights();
                     [(heights.x(), true), (heights.y(), false)]
                         .map(|(axis, along_x)| jumps(heights, axis, along_x))
                 }
@@ -149,12 +158,12 @@ fn edge(seams: &mut [Seams], uses: &[Use], parts: &[Option<SeamSide<'_>>], jumps
     for (other, theirs) in others.filter_map(|other| Some((other, part(other)?))) {
         let turned = place(other) != place(first);
         if own.shows_as(theirs) {
-            let (Some((relief, ..)), Some(a), Some(b)) =
+            let (Some(shown), Some(a), Some(b)) =
                 (own.shown, own.side(first, false), theirs.side(other, turned))
             else {
                 continue;
             };
-            if !same(&a, &b, relief.heights(), jumps[first.part]) {
+            if !same(&a, &b, shown.relief.heights(), jumps[first.part]) {
                 seams[first.part].between += 1;
                 seams[first.part].raise(own, first, Some(b), None);
             }
