@@ -106,12 +106,9 @@ impl ReliefMesh {
     }
 
     /// A part laid anew among its neighbours.
-    pub(super) fn among(
-        whole: &Whole,
-        displacement: Displacement,
-    ) -> Result<Self, ReliefMeshError> {
+    pub(super) fn among(whole: &Whole, part: MeshPart) -> Result<Self, ReliefMeshError> {
         let mut parts = whole.parts.to_vec();
-        parts[whole.own].change(|_| displacement);
+        parts[whole.own] = part;
         Self::again(parts, whole.own)
     }
 

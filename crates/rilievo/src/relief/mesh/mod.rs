@@ -124,14 +124,12 @@ impl ReliefMesh {
     /// # Errors
     /// As [`ReliefMesh::new`], for numbers of the displacement.
     pub fn with_displacement(&self, displacement: Displacement) -> Result<Self, ReliefMeshError> {
-        if let Some(whole) = &self.whole {
-            return Self::among(whole, displacement);
-        }
         let options = MeshOptions { displacement, ..self.options.clone() };
-        Self::laid(Arc::clone(&self.data), Arc::clone(&self.relief), options)
+        self.with_relief(Arc::clone(&self.relief), options)
     }
 
-    /// The same mesh under another relief, a level of its own for instance. The base is shared.
+    /// The same mesh under another relief, a level of its own for instance. The base is shared. What it is joined to
+    /// stays as it was; the walls it makes go down to that.
     ///
     /// # Errors
     /// As [`ReliefMesh::new`].
@@ -140,6 +138,9 @@ impl ReliefMesh {
         relief: Arc<Relief>,
         options: MeshOptions,
     ) -> Result<Self, ReliefMeshError> {
+        if let Some(whole) = &self.whole {
+            return Self::among(whole, MeshPart::of(Arc::clone(&self.data), relief, options));
+        }
         Self::laid(Arc::clone(&self.data), relief, options)
     }
 
