@@ -1,6 +1,6 @@
 //! `rilievo render`: a scene to a picture.
 
-use rilievo_render::{Film, FirstHits, RayCounts, RenderOptions, RenderStats};
+use rilievo_render::{Film, RayCounts, RenderOptions, RenderStats, Tracer};
 use serde::Serialize;
 
 use crate::args::RenderArgs;
@@ -49,7 +49,7 @@ struct Report {
     refused_samples: u64,
     complete: bool,
     output: String,
-    /// What traced camera rays: "cpu", or the name of a GPU.
+    /// What traced the rays: "cpu", or the name of a GPU.
     backend: String,
 }
 
@@ -90,10 +90,9 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let name = args.output.path.display().to_string();
     let live = LiveView::open(args.tev.as_deref(), &name, job.window().size, args.talk);
     let resumed = film.is_some();
-    let begin = |first_hits: Option<&FirstHits<'_>>| {
-        render(args, &job, (film, first_hits), (&interrupt, &live))
-    };
-    let ((film, stats, limited), backend) = backend::with_first_hits(args, &job.scene, begin)?;
+    let begin =
+        |tracer: Option<&dyn Tracer>| render(args, &job, (film, tracer), (&interrupt, &live));
+    let ((film, stats, limited), backend) = backend::with_tracer(args, &job.scene, begin)?;
     let rendering = watch.elapsed();
     let share = film.rays_done() as f64 / film.rays() as f64;
     let output = &args.output;
@@ -145,7 +144,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
 fn render(
     args: &RenderArgs,
     job: &RenderJob,
-    (film, first_hits): (Option<Film>, Option<&FirstHits<'_>>),
+    (film, tracer): (Option<Film>, Option<&dyn Tracer>),
     (interrupt, live): (&Interrupt, &LiveView),
 ) -> Result<(Film, RenderStats, bool), Failure> {
     let film = match film {
@@ -160,8 +159,7 @@ fn render(
         checkpoints.watch(film);
     };
     let cancel = interrupt.flag();
-    let options =
-        RenderOptions { first_hits, progress: &tell, watch: &watch, cancel, ..job.options() };
+    let options = RenderOptions { tracer, progress: &tell, watch: &watch, cancel, ..job.options() };
     let work = || rilievo_render::resume(&job.scene, &options, film);
     let (result, limited) = interrupt.limited(args.time_limit, work);
     drop(progress);

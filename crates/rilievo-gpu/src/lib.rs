@@ -2,8 +2,9 @@
 //! Direct3D 12, shaders in WGSL alone.
 //!
 //! [`Gpu::open`] takes the system's fastest adapter, [`GpuWorld`] brings the surfaces of a
-//! [`World`](rilievo::surface::World) to it: heights as they are (two codes a word). Rays go
-//! in, hits come out. The shaders are the twins of the CPU's modules, by path and name: the same walk in
+//! [`World`](rilievo::surface::World) to it: heights as they are (two codes a word). Rays go in, hits come
+//! out: nearest hits, or for shadow rays whether there is any. The shaders are the twins of the CPU's
+//! modules, by path and name: the same walk in
 //! the same order down to the same leaf.
 //!
 //! **Precision.** The CPU prepares a ray and refines a root in `f64`, which WGSL lacks. Here both are done

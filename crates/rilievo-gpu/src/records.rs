@@ -5,9 +5,10 @@ use rilievo::glam::DVec3;
 use rilievo::map::{Axis, HeightMap, Lattice, LevelBounds, Pyramid, Samples, Wrap};
 use rilievo::relief::ReliefFace;
 use rilievo::{Hit, Part, Ray, Wall};
+use rilievo_render::ShadowRay;
 
 /// Words of a ray.
-pub(crate) const RAY_WORDS: usize = 18;
+pub(crate) const RAY_WORDS: usize = 20;
 /// Words of a hit.
 pub(crate) const HIT_WORDS: usize = 12;
 /// Words of a face.
@@ -95,7 +96,15 @@ pub(crate) fn write_ray(words: &mut Vec<u32>, ray: &Ray, anchor: DVec3) {
         }
         None => (NOTHING, 0, 0),
     };
-    words.extend([surface, leaves, line as u32, 0]);
+    words.extend([surface, leaves, line as u32, 0, NOTHING, 0]);
+}
+
+/// Writes a ray that any hit stops, as [`write_ray`] does others.
+pub(crate) fn write_shadow_ray(words: &mut Vec<u32>, shadow: &ShadowRay, anchor: DVec3) {
+    write_ray(words, &shadow.ray, anchor);
+    let end = words.len();
+    words[end - 2] = shadow.exempt.unwrap_or(NOTHING);
+    words[end - 1] = 1;
 }
 
 /// Kind and line of a wall.

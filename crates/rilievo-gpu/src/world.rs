@@ -9,7 +9,7 @@ use rilievo::glam::DVec3;
 use rilievo::relief::Relief;
 use rilievo::surface::{Surface, World};
 use rilievo::{Hit, Ray};
-use rilievo_render::Traced;
+use rilievo_render::{ShadowRay, Traced, Tracer};
 use wgpu::BufferUsages;
 
 use crate::device::Gpu;
@@ -20,6 +20,9 @@ use crate::upload::Upload;
 
 /// Rays uploaded at once.
 pub(crate) const BATCH: usize = 1 << 20;
+
+/// Rays that one thread writes at a time.
+const CHUNK: usize = 4096;
 
 /// Rays of the first dispatch.
 const FIRST_DISPATCH: u32 = 1 << 14;
@@ -127,10 +130,27 @@ impl<'a> GpuWorld<'a> {
     pub fn closest(&self, rays: &[Ray]) -> Result<Vec<Traced>, GpuError> {
         let mut found = Vec::with_capacity(rays.len());
         for rays in rays.chunks(BATCH) {
-            let words = self.trace(rays)?;
+            let words =
+                self.trace(rays, |words, ray| records::write_ray(words, ray, self.anchor))?;
             let hits = words.par_chunks_exact(HIT_WORDS).map(HitRecord);
             let answer = |(ray, record)| self.answer(ray, &record);
             found.par_extend(rays.par_iter().zip(hits).map(answer));
+        }
+        Ok(found)
+    }
+
+    /// Whether each ray meets anything within `0 <= t <= ray.t_max`, in order. `ray.from` and the surface that does not
+    /// count, if any, name surfaces of this world.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn occluded(&self, rays: &[ShadowRay]) -> Result<Vec<bool>, GpuError> {
+        let mut found = Vec::with_capacity(rays.len());
+        for rays in rays.chunks(BATCH) {
+            let write = |words: &mut _, ray: &_| records::write_shadow_ray(words, ray, self.anchor);
+            let words = self.trace(rays, write)?;
+            let hits = words.par_chunks_exact(HIT_WORDS).map(HitRecord);
+            found.par_extend(hits.map(|record| record.surface().is_some()));
         }
         Ok(found)
     }
@@ -149,11 +169,19 @@ impl<'a> GpuWorld<'a> {
         Traced { hit, work: u64::from(record.steps()) }
     }
 
-    /// The records of the nearest hits of at most [`BATCH`] rays.
-    fn trace(&self, rays: &[Ray]) -> Result<Vec<u32>, GpuError> {
+    /// The records of what at most [`BATCH`] rays hit, given how one is written.
+    fn trace<R: Sync>(
+        &self,
+        rays: &[R],
+        write: impl Fn(&mut Vec<u32>, &R) + Sync,
+    ) -> Result<Vec<u32>, GpuError> {
         let gpu = self.gpu;
-        let mut words = Vec::with_capacity(rays.len() * RAY_WORDS);
-        rays.iter().for_each(|ray| records::write_ray(&mut words, ray, self.anchor));
+        let written = rays.par_chunks(CHUNK).map(|rays| {
+            let mut words = Vec::with_capacity(rays.len() * RAY_WORDS);
+            rays.iter().for_each(|ray| write(&mut words, ray));
+            words
+        });
+        let words = written.collect::<Vec<_>>().concat();
         let rays_buffer = gpu.upload("rays", bytemuck::cast_slice(&words))?;
         let bytes = (rays.len() * HIT_WORDS * 4) as u64;
         let hits = gpu.allocate("hits", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
@@ -263,6 +291,17 @@ fn records(gpu: &Gpu, words: &Upload<'_>) -> Result<[wgpu::Buffer; 4], GpuError>
         upload("trees", &words.nodes)?,
         upload("triangles", &words.numbers)?,
     ])
+}
+
+/// For the integrators of `rilievo-render`, which shade what is traced here.
+impl Tracer for GpuWorld<'_> {
+    fn closest(&self, rays: &[Ray]) -> Result<Vec<Traced>, String> {
+        GpuWorld::closest(self, rays).map_err(|error| error.to_string())
+    }
+
+    fn occluded(&self, rays: &[ShadowRay]) -> Result<Vec<bool>, String> {
+        GpuWorld::occluded(self, rays).map_err(|error| error.to_string())
+    }
 }
 
 /// The hit on the surface that a record names.

@@ -10,6 +10,7 @@ use rilievo::relief::{Method, Relief};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 use rilievo::{Hit, Ray};
 use rilievo_gpu::{Gpu, GpuError, GpuWorld, MapEdit};
+use rilievo_render::ShadowRay;
 use rilievo_tests::kernel;
 use rilievo_tests::meshes::Base;
 use rilievo_tests::nudge::nudged;
@@ -73,6 +74,27 @@ fn excused(world: &World, ray: &Ray, answer: &Option<Hit>) -> bool {
         .any(|direction| same(&world.closest(&Ray { direction, ..*ray }, &mut ()), answer))
 }
 
+/// Asks of every ray whether anything is in its way, of every other one with a surface left out; returns how many
+/// answers hold for rays a nudge away only.
+fn shadows(world: &World, on_gpu: &GpuWorld<'_>, rays: &[Ray]) -> usize {
+    let surfaces = world.surfaces().len() as u32;
+    let exempt = |k: u32| k.is_multiple_of(2).then_some(k / 2 % surfaces);
+    let asked: Vec<ShadowRay> =
+        (0..).zip(rays).map(|(k, ray)| ShadowRay { ray: *ray, exempt: exempt(k) }).collect();
+    let found = on_gpu.occluded(&asked).unwrap();
+    assert!(found.len() == rays.len() && found.contains(&true) && found.contains(&false));
+    let other = asked.iter().zip(found).filter(|(shadow, met)| shadow.is_occluded(world) != *met);
+    other
+        .map(|(shadow, met)| {
+            let answers = nudged(shadow.ray.direction, None, DVec3::Z).any(|direction| {
+                let ray = Ray { direction, ..shadow.ray };
+                ShadowRay { ray, ..*shadow }.is_occluded(world) == met
+            });
+            assert!(answers, "{shadow:?}: {met}");
+        })
+        .count()
+}
+
 #[test]
 fn hits_in_whole_worlds_are_those_of_the_cpu() {
     let Some(gpu) = gpu() else { return };
@@ -92,6 +114,7 @@ fn hits_in_whole_worlds_are_those_of_the_cpu() {
         hits += first.len();
         rays.extend(first.iter().map(|hit| hit.spawn(random.direction())));
         count += rays.len();
+        nudges += shadows(&world, &on_gpu, &rays);
         for (ray, traced) in rays.iter().zip(on_gpu.closest(&rays).unwrap()) {
             let cpu = world.closest(ray, &mut ());
             if !same(&cpu, &traced.hit) {

@@ -47,8 +47,8 @@
 //! - [`mod@denoise`]: noise averaged away, edges kept.
 //! - [`film`]: the image, pixel filters, tone mapping, false colours.
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
-//! - [`first_hits`]: what traces camera rays in place of the scene's world, a GPU for instance.
 //! - [`memory`]: what a render will hold.
+//! - [`tracer`]: what traces rays in place of the CPU's threads, a GPU for instance.
 
 #![forbid(unsafe_code)]
 
@@ -56,7 +56,6 @@ pub mod bsdf;
 pub mod colour;
 pub mod denoise;
 pub mod film;
-pub mod first_hits;
 pub mod integrator;
 mod level_of_detail;
 pub mod light;
@@ -66,11 +65,11 @@ pub mod render;
 pub mod sampler;
 pub mod scene;
 pub mod texture;
+pub mod tracer;
 
 pub use bsdf::{Bsdf, Scattered};
 pub use colour::Rgb;
 pub use film::{Aov, Film, Filter, FilterKind};
-pub use first_hits::{FirstHits, Traced};
 pub use integrator::{Integrator, RayCounts};
 pub use memory::MemoryUse;
 pub use render::{RenderError, RenderOptions, RenderStats, begin, check, render, resume};
@@ -80,3 +79,4 @@ pub use scene::{
     RenderSettings, Scene, SceneError, SceneParts, SettingsError,
 };
 pub use texture::{ColourImage, Texels, Texture, TextureError};
+pub use tracer::{ShadowRay, Traced, Tracer};

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use rilievo::Ray;
 
 use crate::film::{Film, FilmError, Tile};
-use crate::first_hits::{self, FirstHits, Traced};
-use crate::integrator::{PixelTracer, RayCounts};
+use crate::integrator::{CameraRay, OFFSPRING, PixelTracer, RayCounts, Wave};
 use crate::render::{FLOOR, RenderError, RenderOptions, TILE};
 use crate::scene::Scene;
+use crate::tracer::{RAYS, Traced, Tracer};
 
 /// Samples at which a tile is first asked for its error.
 const FIRST_QUESTION: u32 = 64;
@@ -92,12 +92,13 @@ impl Passes<'_> {
         let mut end = if sums { 1 } else { self.samples };
         loop {
             let up_to = end.min(self.samples);
-            match self.options.first_hits {
+            // Levels of detail are worlds of their own.
+            match self.options.tracer.filter(|_| self.scene.level_of_detail().is_none()) {
                 None => (0..self.tiles.len())
                     .into_par_iter()
                     .with_max_len(1)
                     .try_for_each(|index| self.visit(index, up_to, shared))?,
-                Some(first_hits) => self.visit_traced(first_hits, up_to, shared)?,
+                Some(tracer) => self.visit_traced(tracer, up_to, shared)?,
             }
             if up_to == self.samples || self.cancelled() {
                 return Ok(());
@@ -119,12 +120,12 @@ impl Passes<'_> {
     /// Takes the samples of all tiles up to `end` of the range, those of a few tiles at a time.
     fn visit_traced(
         &self,
-        first_hits: &FirstHits<'_>,
+        tracer: &dyn Tracer,
         end: u32,
         shared: &Shared,
     ) -> Result<(), RenderError> {
         let rays = u64::from(TILE * TILE) * u64::from(end);
-        let tiles = (first_hits::RAYS / rays).clamp(1, u64::from(u32::MAX)) as u32;
+        let tiles = (RAYS as u64 / rays).clamp(1, u64::from(u32::MAX)) as u32;
         for first in (0..self.tiles.len()).step_by(tiles as usize) {
             if self.cancelled() {
                 return Ok(());
@@ -133,23 +134,45 @@ impl Passes<'_> {
             let parts: Vec<Part> = some
                 .filter_map(|index| self.part(index, end, shared).transpose())
                 .collect::<Result<_, _>>()?;
-            let rays: Vec<Vec<Ray>> =
-                parts.par_iter().with_max_len(1).map(|part| self.camera_rays(part)).collect();
-            let rays_of_all = rays.concat();
-            let found = first_hits(&rays_of_all).map_err(RenderError::FirstHits)?;
-            if found.len() != rays_of_all.len() {
-                let why = format!("{} answers to {} rays", found.len(), rays_of_all.len());
-                return Err(RenderError::FirstHits(why));
-            }
-            let mut rest = found.as_slice();
-            let answers: Vec<&[Traced]> =
-                rays.iter().map(|rays| rest.split_off(..rays.len()).unwrap_or_default()).collect();
-            parts.into_par_iter().zip(answers).with_max_len(1).try_for_each(|(part, found)| {
-                let tracer = PixelTracer::new(self.scene, self.options.pixel_centers);
-                self.take(part, tracer.with_first_hits(found), shared)
-            })?;
+            self.take_traced(parts, tracer, shared)?;
         }
         Ok(())
+    }
+
+    /// Takes the samples of some tiles.
+    fn take_traced(
+        &self,
+        parts: Vec<Part>,
+        tracer: &dyn Tracer,
+        shared: &Shared,
+    ) -> Result<(), RenderError> {
+        let of_tiles: Vec<Vec<CameraRay>> =
+            parts.par_iter().with_max_len(1).map(|part| self.camera_rays(part)).collect();
+        let lengths: Vec<usize> = of_tiles.iter().map(Vec::len).collect();
+        let rays: Vec<CameraRay> = of_tiles.into_iter().flatten().collect();
+        let asked: Vec<Ray> = rays.iter().map(|ray| ray.ray).collect();
+        let samples = PixelTracer::new(self.scene, self.options.pixel_centers).samples();
+        let (scene, offspring, cancel) = (self.scene, OFFSPRING, self.options.cancel);
+        let wave = Wave { scene, tracer, samples, offspring, cancel };
+        let found = wave.closest(&asked).map_err(RenderError::Tracer)?;
+        let seen = wave.seen(&rays, &found).map_err(RenderError::Tracer)?;
+        if self.cancelled() {
+            return Ok(());
+        }
+        *lock(&shared.rays) += seen.rays;
+        let (mut found, mut seen) = (found.as_slice(), seen.radiance.as_slice());
+        let answers: Vec<(&[Traced], &[_])> = lengths
+            .into_iter()
+            .map(|length| {
+                let seen = seen.split_off(..length).unwrap_or_default();
+                (found.split_off(..length).unwrap_or_default(), seen)
+            })
+            .collect();
+        let tiles = parts.into_par_iter().zip(answers).with_max_len(1);
+        tiles.try_for_each(|(part, (found, seen))| {
+            let tracer = PixelTracer::new(self.scene, self.options.pixel_centers);
+            self.take(part, tracer.with_answers(found, seen), shared)
+        })
     }
 
     /// A tile whose samples up to `end` of the range are to be taken; none if it has them.
@@ -171,7 +194,7 @@ impl Passes<'_> {
     }
 
     /// The camera rays of a tile.
-    fn camera_rays(&self, part: &Part) -> Vec<Ray> {
+    fn camera_rays(&self, part: &Part) -> Vec<CameraRay> {
         let mut tracer = PixelTracer::new(self.scene, self.options.pixel_centers);
         let mut rays = Vec::new();
         self.pixels(part.tile)

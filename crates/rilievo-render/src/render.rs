@@ -22,10 +22,10 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::film::{Aov, Film, FilmError, Layer, Tile};
-use crate::first_hits::FirstHits;
 use crate::integrator::{Integrator, RayCounts};
 use crate::pass::{Passes, Shared, Tiles};
 use crate::scene::Scene;
+use crate::tracer::Tracer;
 
 /// How to render, beyond what the scene says.
 #[derive(Clone, Copy)]
@@ -43,8 +43,9 @@ pub struct RenderOptions<'a> {
     pub samples: Option<[u32; 2]>,
     /// Relative error at which a tile has samples enough; none by default.
     pub max_error: Option<f64>,
-    /// What finds the first hits in place of the scene's world; nothing by default.
-    pub first_hits: Option<&'a FirstHits<'a>>,
+    /// What traces all rays in place of the CPU's threads; nothing by default. Not asked where the scene has
+    /// levels of detail.
+    pub tracer: Option<&'a dyn Tracer>,
     /// Told (camera rays done, camera rays in all) after every tile, from any thread.
     pub progress: &'a (dyn Fn(u64, u64) + Sync),
     /// Shown the film as it stands after every tile, from any thread; nobody else writes meanwhile.
@@ -66,7 +67,7 @@ impl Default for RenderOptions<'_> {
             crop: None,
             samples: None,
             max_error: None,
-            first_hits: None,
+            tracer: None,
             progress: &|_, _| {},
             watch: &|_| {},
             cancel: &NO_CANCEL,
@@ -129,9 +130,9 @@ pub enum RenderError {
     /// A part of a texture could not be read when it was needed.
     #[error("a texture could not be read: {0}")]
     Texture(String),
-    /// What was to find the first hits could not.
+    /// What was to trace the rays could not.
     #[error("{0}")]
-    FirstHits(String),
+    Tracer(String),
     /// The threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

@@ -12,8 +12,8 @@ const GRAPH: &[(&str, &[&str])] = &[
     ("rilievo", &[]),
     ("rilievo-render", &["rilievo"]),
     ("rilievo-io", &["rilievo", "rilievo-render"]),
-    // Its tests trace the scenes of the conformance suite.
-    ("rilievo-gpu", &["rilievo", "rilievo-render", "rilievo-tests"]),
+    // Its tests trace the scenes of the conformance suite and draw those of the gallery.
+    ("rilievo-gpu", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-viewer", &["rilievo", "rilievo-render", "rilievo-io"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),

@@ -71,8 +71,8 @@ pub struct RenderArgs {
     /// not depend on it.
     #[arg(long, value_name = "LEVEL", value_parser = value::simd(), help_heading = WALK)]
     pub simd: Option<SimdLevel>,
-    /// What traces camera rays: gpu needs Vulkan, Metal or Direct3D 12; auto takes the CPU where the GPU
-    /// cannot. All other rays are traced on the CPU.
+    /// What traces all rays: gpu needs Vulkan, Metal or Direct3D 12; auto takes the CPU where the GPU
+    /// cannot. Materials and lights are worked out on the CPU in between.
     #[arg(long, value_enum, default_value_t = Backend::Cpu, help_heading = WALK)]
     pub backend: Backend,
     /// Threads; 0 takes one per processor. The picture does not depend on it.

@@ -24,6 +24,10 @@ struct Ray {
     line: i32,
     // Always 0, which no compiler knows; see `rounded`.
     zero: u32,
+    // A surface that it passes through, or NOTHING.
+    exempt: u32,
+    // Whether any hit will do.
+    any: u32,
 }
 
 struct Hit {

@@ -55,7 +55,7 @@ fn local_ray(source: Ray, place: u32) -> Ray {
 // A surface that rays pass through, or NOTHING.
 var<private> ignored: u32 = NOTHING;
 
-// The nearest hit of all surfaces.
+// The nearest hit of all surfaces, or any.
 fn nearest(source: Ray) -> Hit {
     var best: Hit;
     best.surface = NOTHING;
@@ -125,6 +125,9 @@ fn nearest(source: Ray) -> Hit {
                     best = hit;
                     best.surface = mesh;
                     t_max = hit.t;
+                    if source.any != 0u {
+                        return best;
+                    }
                 }
             }
             continue;
@@ -163,6 +166,9 @@ fn nearest(source: Ray) -> Hit {
                 best = hit;
                 best.surface = number;
                 t_max = hit.t;
+                if source.any != 0u {
+                    return best;
+                }
             }
         }
     }

@@ -19,10 +19,15 @@
 //! Two normals: the geometric one decides on which side of the surface a direction lies and rays
 //! are spawned by it; the shading one weighs light and carries the lobe. A reflected direction that
 //! falls below the surface is mirrored back above it.
+//!
+//! The recursion is unrolled: a [`Branch`] of the tree is a ray that still has to be traced and what its radiance counts in
+//! the pixel. [`Distributed::grow`] shades a hit and hands the rays it spawns to a [`Sink`]: one that traces them one after the
+//! other ([`Distributed::radiance`]), or one that keeps them until there are many (`wave.rs`).
 
 use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
+use rilievo::surface::World;
 use rilievo::{Hit, Ray};
 
 use super::RayCounts;
@@ -32,6 +37,7 @@ use crate::level_of_detail::Detail;
 use crate::light::{Light, QuadLight, SphereLight};
 use crate::sampler::{Dimension, PixelTable, Strand, warp};
 use crate::scene::{Material, Scene};
+use crate::tracer::ShadowRay;
 
 /// A place in the tree of rays of a pixel.
 #[derive(Clone, Copy)]
@@ -51,6 +57,60 @@ impl Path {
     }
 }
 
+/// A ray of the tree that is to be traced.
+#[derive(Clone, Copy)]
+pub(super) struct Branch {
+    pub(super) ray: Ray,
+    path: Path,
+    /// What its radiance counts in the camera ray's.
+    weight: Rgb,
+}
+
+impl Branch {
+    /// The root of a tree.
+    pub(super) fn root(ray: Ray, strand: Strand) -> Self {
+        Self { ray, path: Path::from_camera(strand), weight: Rgb::ONE }
+    }
+}
+
+/// Takes what becomes of a branch.
+pub(super) trait Sink {
+    /// Radiance against the camera ray.
+    fn bring(&mut self, radiance: Rgb);
+
+    /// Radiance against the camera ray, if the shadow ray meets nothing.
+    fn ask(&mut self, shadow: ShadowRay, radiance: Rgb);
+
+    /// A branch that grows from this one.
+    fn spawn(&mut self, branch: Branch);
+}
+
+/// Asks the world at once.
+struct AtOnce<'a> {
+    world: &'a World,
+    radiance: Rgb,
+    branches: &'a mut Vec<Branch>,
+}
+
+impl Sink for AtOnce<'_> {
+    #[inline]
+    fn bring(&mut self, radiance: Rgb) {
+        self.radiance += radiance;
+    }
+
+    #[inline]
+    fn ask(&mut self, shadow: ShadowRay, radiance: Rgb) {
+        if !shadow.is_occluded(self.world) {
+            self.radiance += radiance;
+        }
+    }
+
+    #[inline]
+    fn spawn(&mut self, branch: Branch) {
+        self.branches.push(branch);
+    }
+}
+
 /// Rays with which a path goes on from a hit.
 #[derive(Clone, Copy)]
 struct Split {
@@ -65,20 +125,24 @@ impl Split {
     }
 }
 
-/// The two normals of a hit, turned to the side the viewer is on.
-struct Facing {
+/// A hit to be shaded: with the normals turned to the side the viewer is on.
+struct Facing<'a> {
+    hit: &'a Hit,
+    /// The path that came there.
+    path: Path,
     geometric: DVec3,
     shading: DVec3,
 }
 
-impl Facing {
-    fn of(hit: &Hit) -> Self {
+impl<'a> Facing<'a> {
+    fn of(hit: &'a Hit, path: Path) -> Self {
         let sign = if hit.front { 1.0 } else { -1.0 };
-        Self { geometric: sign * hit.geometric_normal, shading: sign * hit.shading_normal }
+        let [geometric, shading] = [hit.geometric_normal, hit.shading_normal].map(|n| sign * n);
+        Self { hit, path, geometric, shading }
     }
 }
 
-/// Traces the trees of rays of one pixel.
+/// Grows the trees of rays of one pixel.
 pub(super) struct Distributed<'a> {
     pub(super) scene: &'a Scene,
     /// The world that is traced.
@@ -89,35 +153,51 @@ pub(super) struct Distributed<'a> {
 }
 
 impl Distributed<'_> {
-    /// Radiance that arrives against `ray`, given what it meets.
-    pub(super) fn radiance(&mut self, ray: &Ray, hit: Option<&Hit>, path: Path) -> Rgb {
+    /// Radiance that arrives against a camera ray, given what it meets. `branches` is empty, before and after.
+    pub(super) fn radiance(
+        &mut self,
+        root: &Branch,
+        hit: Option<&Hit>,
+        branches: &mut Vec<Branch>,
+    ) -> Rgb {
+        let world = self.detail.world;
+        let mut sink = AtOnce { world, radiance: Rgb::ZERO, branches };
+        self.grow(root, hit, &mut sink);
+        while let Some(branch) = sink.branches.pop() {
+            let hit = world.closest(&branch.ray, &mut ());
+            self.grow(&branch, hit.as_ref(), &mut sink);
+        }
+        sink.radiance
+    }
+
+    /// What becomes of a branch, given what its ray meets.
+    pub(super) fn grow(&mut self, branch: &Branch, hit: Option<&Hit>, sink: &mut impl Sink) {
+        let Branch { ray, path, weight } = *branch;
         let Some(hit) = hit else {
-            return self.escaped(ray, path);
+            return sink.bring(weight * self.escaped(&ray, path));
         };
         let material = self.scene.material(hit.surface);
-        let facing = Facing::of(hit);
-        let mut radiance = Rgb::ZERO;
+        let facing = Facing::of(hit, path);
         if hit.front && material.emits() && !(path.lit && self.scene.is_light(hit.surface)) {
-            radiance = material.emitted_at(hit.uv);
+            sink.bring(weight * material.emitted_at(hit.uv));
         }
         let diffuse = material.diffuse.at(hit.uv);
         let split = self.split(material, diffuse, path);
         if diffuse != Rgb::ZERO {
-            let irradiance = self.irradiance(hit, &facing, path);
-            let mut incoming = self.scene.ambient() + FRAC_1_PI * irradiance;
+            let weight = weight * diffuse;
+            sink.bring(weight * self.scene.ambient());
+            self.light(&facing, weight * FRAC_1_PI, sink);
             if split.diffuse > 0 {
-                incoming += self.bounce(hit, &facing, split, path);
+                self.bounce(&facing, split, weight, sink);
             }
-            radiance += diffuse * incoming;
         }
         if split.reflection > 0 {
             let view = -ray.direction.normalize();
             let lost = self.detail.lost_slopes(hit);
             let alpha = widened(material.roughness * material.roughness, lost);
-            let mirrored = self.reflection(hit, &facing, (view, alpha), (split, path));
-            radiance += material.reflective * mirrored;
+            let weight = weight * material.reflective;
+            self.reflect(&facing, (view, alpha), (split, weight), sink);
         }
-        radiance
     }
 
     /// Radiance that arrives against `ray`, which meets nothing. Suns are lights: to a diffuse bounce
@@ -154,11 +234,13 @@ impl Distributed<'_> {
         Split { reflection, diffuse }
     }
 
-    /// Mean radiance over the cosine-weighted hemisphere, less what comes straight from lights.
-    fn bounce(&mut self, hit: &Hit, facing: &Facing, split: Split, path: Path) -> Rgb {
+    /// Branches over the cosine-weighted hemisphere, for all but what comes straight from lights: the mean of their
+    /// radiance counts `weight`.
+    fn bounce(&mut self, facing: &Facing<'_>, split: Split, weight: Rgb, sink: &mut impl Sink) {
+        let path = facing.path;
         let dimension = Dimension::Bounce { depth: path.depth };
         let (right, up) = facing.shading.any_orthonormal_pair();
-        let mut sum = Rgb::ZERO;
+        let weight = weight / f64::from(split.diffuse);
         for branch in 0..split.diffuse {
             let u = self.table.point(dimension, path.strand.split(branch, split.diffuse));
             let local = warp::square_to_hemisphere(u);
@@ -167,37 +249,43 @@ impl Distributed<'_> {
             if direction.dot(facing.geometric) <= 0.0 {
                 continue;
             }
-            let ray = hit.spawn(direction);
             self.rays.diffuse += 1;
-            let next = self.detail.world.closest(&ray, &mut ());
             let strand = path.strand.split(split.reflection + branch, split.total());
             let path = Path { strand, depth: path.depth + 1, lit: true };
-            sum += self.radiance(&ray, next.as_ref(), path);
+            sink.spawn(Branch { ray: facing.hit.spawn(direction), path, weight });
         }
-        sum / f64::from(split.diffuse)
     }
 
-    /// Irradiance from all lights on the viewer's side of the surface, W/m^2.
-    fn irradiance(&mut self, hit: &Hit, facing: &Facing, path: Path) -> Rgb {
-        let lights = self.scene.lights().iter().enumerate();
-        // A flat quad or a sphere cannot light itself.
-        lights
-            .filter(|(_, light)| light.surface() != Some(hit.surface))
-            .map(|(index, light)| self.irradiance_from(light, index as u32, (hit, facing), path))
-            .sum()
+    /// Shadow rays to all lights on the viewer's side of the surface: the irradiance that they find, W/m^2, counts
+    /// `weight`.
+    fn light(&mut self, facing: &Facing<'_>, weight: Rgb, sink: &mut impl Sink) {
+        for (index, light) in self.scene.lights().iter().enumerate() {
+            // A flat quad or a sphere cannot light itself.
+            if light.surface() != Some(facing.hit.surface) {
+                self.light_from((light, index as u32), facing, weight, sink);
+            }
+        }
     }
 
-    fn irradiance_from(
+    fn light_from(
         &mut self,
-        light: &Light,
-        index: u32,
-        (hit, facing): (&Hit, &Facing),
-        path: Path,
-    ) -> Rgb {
-        let Some(view) = light.view(hit.position) else { return Rgb::ZERO };
+        (light, index): (&Light, u32),
+        facing: &Facing<'_>,
+        weight: Rgb,
+        sink: &mut impl Sink,
+    ) {
+        let Facing { hit, path, .. } = *facing;
+        let Some(view) = light.view(hit.position) else { return };
         let count = self.scene.settings().shadow_samples;
         let dimension = Dimension::Light { depth: path.depth, light: index };
-        let mut sum = Rgb::ZERO;
+        // No other part of a quad or a sphere is in the way of what is seen of it.
+        let exempt = match light {
+            Light::Quad(QuadLight { surface, .. }) | Light::Sphere(SphereLight { surface, .. }) => {
+                Some(*surface)
+            }
+            Light::Triangle(_) | Light::Point(_) | Light::Sun(_) => None,
+        };
+        let weight = weight / f64::from(count);
         for k in 0..count {
             let u = self.table.point(dimension, path.strand.split(k, count));
             let Some(sample) = view.sample(u) else {
@@ -209,39 +297,27 @@ impl Distributed<'_> {
             }
             self.rays.shadow += 1;
             let way = hit.spawn(sample.position - hit.position);
-            let ray = Ray { t_max: sample.clear, ..way };
-            let world = self.detail.world;
-            let hidden = match light {
-                // No other part of the light is in the way of what is seen of it.
-                Light::Quad(QuadLight { surface, .. })
-                | Light::Sphere(SphereLight { surface, .. }) => {
-                    world.occluded_before(&ray, *surface, &mut ())
-                }
-                Light::Triangle(_) | Light::Point(_) | Light::Sun(_) => {
-                    world.occluded(&ray, &mut ())
-                }
-            };
-            if !hidden {
-                sum += cosine * sample.weight;
-            }
+            let shadow = ShadowRay { ray: Ray { t_max: sample.clear, ..way }, exempt };
+            sink.ask(shadow, weight * (cosine * sample.weight));
         }
-        sum / f64::from(count)
     }
 
-    /// Mean radiance over the lobe around the mirror direction, seen from direction `view`.
-    fn reflection(
+    /// Branches over the lobe around the mirror direction, seen from direction `view`: the mean of their radiance
+    /// counts `weight`.
+    fn reflect(
         &mut self,
-        hit: &Hit,
-        facing: &Facing,
+        facing: &Facing<'_>,
         (view, alpha): (DVec3, f64),
-        (split, path): (Split, Path),
-    ) -> Rgb {
+        (split, weight): (Split, Rgb),
+        sink: &mut impl Sink,
+    ) {
+        let path = facing.path;
         let (glossy, count) = (alpha > 0.0, split.reflection);
         let dimension = Dimension::Gloss { depth: path.depth };
-        let normal = visible_shading_normal(facing, view);
+        let normal = visible_shading_normal([facing.geometric, facing.shading], view);
         let (right, up) = normal.any_orthonormal_pair();
         let local_view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal).max(0.0));
-        let mut sum = Rgb::ZERO;
+        let weight = weight / f64::from(count);
         for branch in 0..count {
             let facet = if glossy {
                 let u = self.table.point(dimension, path.strand.split(branch, count));
@@ -251,24 +327,22 @@ impl Distributed<'_> {
                 normal
             };
             let reflected = 2.0 * view.dot(facet) * facet - view;
-            let ray = hit.spawn(above(reflected, facing.geometric));
             self.rays.reflection += 1;
-            let next = self.detail.world.closest(&ray, &mut ());
             let strand = path.strand.split(branch, split.total());
             let path = Path { strand, depth: path.depth + 1, lit: false };
-            sum += self.radiance(&ray, next.as_ref(), path);
+            let ray = facing.hit.spawn(above(reflected, facing.geometric));
+            sink.spawn(Branch { ray, path, weight });
         }
-        sum / f64::from(count)
     }
 }
 
 /// The shading normal, tilted to a right angle with `view` if the viewer sees it from behind.
-fn visible_shading_normal(facing: &Facing, view: DVec3) -> DVec3 {
-    let cosine = facing.shading.dot(view);
+fn visible_shading_normal([geometric, shading]: [DVec3; 2], view: DVec3) -> DVec3 {
+    let cosine = shading.dot(view);
     if cosine >= 0.0 {
-        return facing.shading;
+        return shading;
     }
-    (facing.shading - cosine * view).try_normalize().unwrap_or(facing.geometric)
+    (shading - cosine * view).try_normalize().unwrap_or(geometric)
 }
 
 /// `direction`, mirrored at the plane with unit normal `normal` if it points below it.
@@ -290,7 +364,7 @@ mod tests {
             let shading =
                 DVec3::new(tilt.sin() * angle.cos(), tilt.sin() * angle.sin(), tilt.cos());
             let view = DVec3::new(0.999, 0.0, 0.01).normalize();
-            let normal = visible_shading_normal(&Facing { geometric, shading }, view);
+            let normal = visible_shading_normal([geometric, shading], view);
             assert!(normal.dot(view) >= -1e-12);
             let reflected = above(2.0 * view.dot(normal) * normal - view, geometric);
             assert!(reflected.z >= 0.0 && (reflected.length() - 1.0).abs() < 1e-12);

@@ -4,8 +4,10 @@ mod aov;
 mod distributed;
 mod path;
 mod pixel;
+mod wave;
 
-pub(crate) use pixel::PixelTracer;
+pub(crate) use pixel::{CameraRay, PixelTracer};
+pub(crate) use wave::{OFFSPRING, Wave};
 
 use std::fmt;
 use std::ops::AddAssign;

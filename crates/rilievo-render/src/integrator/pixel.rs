@@ -4,23 +4,19 @@ use glam::DVec2;
 use rilievo::{Counters, Hit, Ray};
 
 use super::aov::{LayerSum, headlight, layer_value};
-use super::distributed::{Distributed, Path};
+use super::distributed::{Branch, Distributed};
 use super::path::PathTracer;
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::sums::PixelSums;
 use crate::film::{Aov, PixelMut};
-use crate::first_hits::Traced;
 use crate::level_of_detail::{Cone, Detail, LevelOfDetail};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
+use crate::tracer::Traced;
 
 /// Camera rays of a pixel that are traced as one packet.
 const PACKET: usize = 16;
-
-/// The part of a pixel's width that one sample covers, for textures: as with 16 samples a pixel, however
-/// many there are, so that more of them only add to what others took. Level of detail may ask for more.
-const SAMPLE: f64 = 0.25;
 
 /// Traces pixels one after the other and counts their rays.
 pub(crate) struct PixelTracer<'a> {
@@ -34,27 +30,45 @@ pub(crate) struct PixelTracer<'a> {
     packet: Packet,
     /// Coarser worlds, and how wide camera rays are.
     levels: Option<(&'a LevelOfDetail, Cone)>,
-    /// What the next camera rays meet, if that was found elsewhere.
-    found: Option<std::slice::Iter<'a, Traced>>,
+    /// The branches of the tree in hand that are to be traced.
+    branches: Vec<Branch>,
+    /// What the next camera rays meet and see, if that was found elsewhere.
+    answers: Option<Answers<'a>>,
+}
+
+/// A camera ray that is traced elsewhere.
+pub(crate) struct CameraRay {
+    pub(crate) ray: Ray,
+    pub(crate) pixel: [u32; 2],
+    /// Absolute index of its sample.
+    pub(crate) index: u64,
+    /// The numbers that are left for its path, if there are paths.
+    pub(crate) numbers: Option<PathSampler>,
+}
+
+/// What was found elsewhere of the camera rays to come.
+struct Answers<'a> {
+    found: std::slice::Iter<'a, Traced>,
+    /// Radiance; none where first hits say it all.
+    seen: std::slice::Iter<'a, Rgb>,
 }
 
 impl<'a> PixelTracer<'a> {
     pub(crate) fn new(scene: &'a Scene, pixel_centers: bool) -> Self {
         let table = PixelTable::new(scene.lights().len());
         let (rays, packet) = (RayCounts::default(), Packet::new());
-        let width = SAMPLE.max(scene.settings().lod);
-        let paths = (scene.settings().integrator == Integrator::Path)
-            .then(|| PathTracer::new(scene, width * scene.camera().pixel_angle()));
+        let paths =
+            (scene.settings().integrator == Integrator::Path).then(|| PathTracer::of_camera(scene));
         let cone = Cone::of(scene.camera(), scene.settings().lod);
         let levels = scene.level_of_detail().map(|levels| (levels, cone));
-        let (sums, found) = (Vec::new(), None);
-        Self { scene, pixel_centers, rays, table, paths, sums, packet, levels, found }
+        let (sums, branches, answers) = (Vec::new(), Vec::new(), None);
+        Self { scene, pixel_centers, rays, table, paths, sums, packet, levels, branches, answers }
     }
 
     /// A tracer whose camera rays were traced elsewhere: those of [`PixelTracer::camera_rays`], pixel by
-    /// pixel.
-    pub(crate) fn with_first_hits(self, found: &'a [Traced]) -> Self {
-        Self { found: Some(found.iter()), ..self }
+    /// pixel. What they see is worked out from first hits where `seen` is empty.
+    pub(crate) fn with_answers(self, found: &'a [Traced], seen: &'a [Rgb]) -> Self {
+        Self { answers: Some(Answers { found: found.iter(), seen: seen.iter() }), ..self }
     }
 
     /// Rays traced so far.
@@ -63,18 +77,26 @@ impl<'a> PixelTracer<'a> {
     }
 
     /// Samples that a pixel takes in all.
-    fn samples(&self) -> u64 {
+    pub(crate) fn samples(&self) -> u64 {
         if self.pixel_centers { 1 } else { u64::from(self.scene.settings().samples) }
     }
 
     /// Appends the camera rays of samples of `pixel`, from the first of two absolute indices up to the
     /// second.
-    pub(crate) fn camera_rays(&mut self, pixel: [u32; 2], range: [u32; 2], rays: &mut Vec<Ray>) {
+    pub(crate) fn camera_rays(
+        &mut self,
+        pixel: [u32; 2],
+        range: [u32; 2],
+        rays: &mut Vec<CameraRay>,
+    ) {
         self.table.start(Sampler::new(self.scene.settings().seed, pixel));
         let [first, end] = range.map(u64::from);
         for first in (first..end).step_by(PACKET) {
             self.aim(pixel, [first, end]);
-            rays.extend_from_slice(&self.packet.rays);
+            for (k, (index, ray)) in (first..).zip(&self.packet.rays).enumerate() {
+                let numbers = self.packet.numbers.get(k).copied();
+                rays.push(CameraRay { ray: *ray, pixel, index, numbers });
+            }
         }
     }
 
@@ -130,8 +152,8 @@ impl<'a> PixelTracer<'a> {
     fn shoot(&mut self, pixel: [u32; 2], range: [u64; 2], steps: bool) {
         self.aim(pixel, range);
         self.rays.camera += self.packet.rays.len() as u64;
-        match &mut self.found {
-            Some(found) => self.packet.take(found),
+        match &mut self.answers {
+            Some(answers) => self.packet.take(&mut answers.found),
             None => self.packet.trace(self.scene, steps),
         }
         if let Some((levels, cone)) = &self.levels {
@@ -169,6 +191,9 @@ impl<'a> PixelTracer<'a> {
 
     /// The radiance that comes against camera ray `k` of a packet that begins with sample `first`.
     fn seen(&mut self, k: usize, first: u64) -> Rgb {
+        if let Some(seen) = self.answers.as_mut().and_then(|answers| answers.seen.next()) {
+            return *seen;
+        }
         let strand = Strand { index: first + k as u64, count: self.samples() };
         let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
         let world = self.scene.world();
@@ -178,12 +203,12 @@ impl<'a> PixelTracer<'a> {
         };
         match (self.scene.settings().integrator, &self.paths) {
             (Integrator::Path, Some(paths)) => {
-                paths.radiance(ray, (hit, detail), &mut self.packet.numbers[k], &mut self.rays)
+                paths.radiance(ray, (hit, detail), self.packet.numbers[k], &mut self.rays)
             }
             (Integrator::Distributed, _) => {
                 let (table, rays) = (&mut self.table, &mut self.rays);
                 let mut tree = Distributed { scene: self.scene, detail, table, rays };
-                tree.radiance(ray, hit, Path::from_camera(strand))
+                tree.radiance(&Branch::root(*ray, strand), hit, &mut self.branches)
             }
             (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
         }

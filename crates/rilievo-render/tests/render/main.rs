@@ -15,3 +15,4 @@ mod relief;
 mod scene;
 mod scenes;
 mod tiles;
+mod waves;
