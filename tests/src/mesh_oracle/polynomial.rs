@@ -29,6 +29,9 @@ pub fn bernstein<const N: usize>(coefficients: &[f64; N]) -> [f64; N] {
     })
 }
 
+/// Roots are known to this.
+const WIDTH: f64 = 1e-15;
+
 /// Roots in [0, 1].
 pub fn roots<const N: usize>(coefficients: &[f64; N]) -> Vec<f64> {
     let mut found = Vec::new();
@@ -44,8 +47,16 @@ fn separate<const N: usize>(b: [f64; N], from: f64, to: f64, found: &mut Vec<f64
     if b.iter().all(|&b| b >= 0.0) || b.iter().all(|&b| b <= 0.0) {
         return;
     }
-    if to - from < 1e-15 {
+    if to - from < WIDTH {
         found.push(0.5 * (from + to));
+        return;
+    }
+    // One change of sign is one root.
+    let changes = b.windows(2).filter(|pair| (pair[0] < 0.0) != (pair[1] < 0.0)).count();
+    if changes == 1
+        && let Some(at) = bracketed(&b, WIDTH / (to - from))
+    {
+        found.push(from + at * (to - from));
         return;
     }
     let (mut low, mut high) = ([0.0; N], [0.0; N]);
@@ -62,6 +73,45 @@ fn separate<const N: usize>(b: [f64; N], from: f64, to: f64, found: &mut Vec<f64
     separate(high, middle, to, found);
 }
 
+/// The value at `s` by Bernstein coefficients.
+fn value<const N: usize>(b: &[f64; N], s: f64) -> f64 {
+    let (mut power, mut choose, mut sum) = (1.0, 1.0, b[0]);
+    for (i, b) in b.iter().enumerate().skip(1) {
+        power *= s;
+        choose *= (N - i) as f64 / i as f64;
+        sum = sum * (1.0 - s) + choose * power * b;
+    }
+    sum
+}
+
+/// The only root in [0, 1], to `width`, by chords: values on both sides of what is returned, half a width away,
+/// differ in sign. None if chords do not get there soon.
+fn bracketed<const N: usize>(b: &[f64; N], width: f64) -> Option<f64> {
+    let ([mut low, mut high], [mut at_low, mut at_high]) = ([0.0, 1.0], [b[0], b[N - 1]]);
+    let mut last_low = None;
+    for _ in 0..24 {
+        if (at_low < 0.0) == (at_high < 0.0) {
+            return None;
+        }
+        let s: f64 = low + (high - low) * (at_low / (at_low - at_high));
+        let ends = [(s - 0.5 * width).max(low), (s + 0.5 * width).min(high)];
+        let at_ends = ends.map(|end| value(b, end));
+        if (at_ends[0] < 0.0) != (at_ends[1] < 0.0) {
+            return Some(s);
+        }
+        // A side that stays twice counts half, so that it does not stay for long.
+        let is_low = (at_ends[0] < 0.0) == (at_low < 0.0);
+        let again = if last_low == Some(is_low) { 0.5 } else { 1.0 };
+        last_low = Some(is_low);
+        if is_low {
+            (low, at_low, at_high) = (ends[1], at_ends[1], again * at_high);
+        } else {
+            (high, at_high, at_low) = (ends[0], at_ends[0], again * at_low);
+        }
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,5 +126,15 @@ mod tests {
         assert!(found.iter().zip([0.25, 0.5, 0.75]).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(roots(&[1.0, 0.0, 1.0]).is_empty());
         assert_eq!(roots(&[0.0, 1.0]), [0.0]);
+        // Flat and steep, at many places.
+        for k in 1..400 {
+            let root = f64::from(k) / 400.0;
+            for rest in [[1.0, 0.0, 1e-6], [1e-3, 0.2, 5.0], [3.0, -5.0, 2.1]] {
+                let quartic: [f64; 4] = times(&[-root, 1.0], &rest);
+                let found = roots(&quartic);
+                assert_eq!(found.len(), 1, "{root} {rest:?}");
+                assert!((found[0] - root).abs() < 1e-12, "{found:?} {root} {rest:?}");
+            }
+        }
     }
 }
