@@ -2,6 +2,7 @@
 
 use crate::accel::Visit;
 use crate::hit::Hit;
+use crate::map::DistanceMap;
 use crate::probe::{Counters, Probe};
 use crate::ray::Ray;
 use crate::simd::{self, Kernel, Lanes};
@@ -73,7 +74,8 @@ impl<P: Probe> Kernel for Search<'_, P> {
         let Self { mesh, ray, any, probe } = self;
         let line = MeshRay::new(&mesh.lifted(ray), mesh.centre, &mesh.cut)?;
         let mut nearest = Nearest::new(line.t_max, any);
-        let mut items = Items { mesh, line: &line, nearest: &mut nearest };
+        let distances = mesh.relief.walked_by(mesh.options.method);
+        let mut items = Items { mesh, distances, line: &line, nearest: &mut nearest };
         mesh.tree.walk::<L, P>(&line.as_ray(), &mut items, probe);
         let candidate = nearest.found?;
         let t = (line.t_start + candidate.t).min(ray.t_max);
@@ -84,6 +86,8 @@ impl<P: Probe> Kernel for Search<'_, P> {
 /// What is done at an item of the tree.
 struct Items<'a> {
     mesh: &'a ReliefMesh,
+    /// What the mesh's method walks, if not the pyramid.
+    distances: Option<&'a DistanceMap>,
     line: &'a MeshRay,
     nearest: &'a mut Nearest,
 }
@@ -98,13 +102,13 @@ impl<P: Probe> Visit<P> for Items<'_> {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, index: u32, probe: &mut P) -> Option<f64> {
-        let Self { mesh, line, nearest } = self;
+        let Self { mesh, distances, line, nearest } = self;
         let count = mesh.prisms.len() as u32;
         let over = if index >= count {
             mesh.walls[(index - count) as usize].meet(index, mesh, line, nearest)
         } else {
             let walk = PrismWalk { mesh, index, ray: line, nearest, probe };
-            match (mesh.options.method, mesh.relief.walked_by(mesh.options.method)) {
+            match (mesh.options.method, distances) {
                 (Method::Dda, _) => walk.every_cell(),
                 (_, Some(distances)) => walk.by_distance(distances),
                 (_, None) => walk.through_pyramid::<L>(),

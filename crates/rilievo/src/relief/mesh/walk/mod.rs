@@ -147,15 +147,16 @@ struct Part {
     span: [f64; 2],
     /// Unfolded cells that are left.
     cells: [i32; 2],
-    /// Whether one run holds all of them.
-    single: bool,
+    /// The run that holds all of them, if one does.
+    single: Option<Run>,
 }
 
 impl Part {
     #[inline(always)]
     fn new(axis: &Axis, path: &Path, number: usize, span: [f64; 2], cells: [i32; 2]) -> Self {
-        let single = axis.run(cells[0]).end() >= cells[1];
-        let cells = if single { cells } else { shown(path, number, span, cells) };
+        let first = axis.run(cells[0]);
+        let single = (first.end() >= cells[1]).then_some(first);
+        let cells = if single.is_some() { cells } else { shown(path, number, span, cells) };
         Self { axis: number, span, cells, single }
     }
 
@@ -163,9 +164,13 @@ impl Part {
     #[inline(always)]
     fn next(&mut self, axis: &Axis, path: &Path) -> Option<(Run, [f64; 2])> {
         while self.cells[0] < self.cells[1] {
+            if let Some(run) = self.single {
+                self.cells[0] = self.cells[1];
+                return Some((run, self.span));
+            }
             let run = axis.run(self.cells[0]);
             self.cells[0] = run.end();
-            if self.single || path.is_blind() {
+            if path.is_blind() {
                 return Some((run, self.span));
             }
             let ends = [f64::from(run.start) - MARGIN, f64::from(run.end()) + MARGIN];
