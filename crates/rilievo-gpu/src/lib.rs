@@ -35,13 +35,23 @@
 //! the CPU's `f64`, and end in the same leaf: the same hits, bit for bit (`shaders/distance.wgsl`). `distance-published` is the
 //! paper's, in floats (`shaders/published.wgsl`).
 //!
-//! **Limits.** Displaced spheres and meshes, and method `march`, are refused by name. Rays whose start is farther than 1e30
+//! **Displaced spheres** are cut to segments over the faces of the cube, and their cells solved, in doubles; blocks are swept in floats,
+//! whose slacks cover what a driver may fuse.
+//!
+//! **Displaced meshes** are walked prism by prism in floats, which count from the prism's own corner and from where the ray passes its
+//! middle; what they round is part of the frame's error, so nothing is left out (`shells/mesh.rs`). The leaf encloses roots as the CPU's
+//! does, values in doubles, derivatives in floats: what these round is part of the enclosure.
+//!
+//! **Limits.** Displaced meshes whose maps meet in walls, surfaces that move, and method `march`, are refused by name. Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
 //! **Watchdog.** Dispatches are cut so that each takes about a tenth of a second.
 //!
 //! **Measured** (2026-11, Mesa's llvmpipe 22.3, all 85 scenes of the conformance suite): 32 996 rays, none missed, none
-//! false, none needed the nudge; points at most 2.9e-8 of the size from the CPU's.
+//! false, none needed the nudge; points at most 2.9e-8 of the size from the CPU's. Displaced spheres, all 36 scenes of their suite: 11 896
+//! rays, 4 in 10 of them spawned, none missed, none false, 19 excused by the nudge, points at most 1.1e-6 of the size apart. Displaced meshes, 18
+//! of all kinds, moved, scaled, and in mirrored places: 3 598 rays, none missed, none false, none excused, at most 3.5e-6 apart (5 mm at a
+//! distance of 270 km; 5.7e-8 where the mesh is near). Mesa compiles the shader of spheres in 9 s of one core, that of meshes in 33.
 
 #![forbid(unsafe_code)]
 
@@ -54,6 +64,7 @@ mod pages;
 mod pyramid_build;
 mod records;
 mod shaders;
+mod shells;
 mod upload;
 mod world;
 

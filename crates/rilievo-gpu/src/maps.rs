@@ -126,6 +126,11 @@ impl<'a> MapPlan<'a> {
         Some(self.distances.place(map, relief.heights(), &mut self.bounds))
     }
 
+    /// More walks that the surfaces over these maps ask for.
+    pub fn add_walks(&mut self, walks: Walks) {
+        self.walks = self.walks.and(walks);
+    }
+
     /// Which of the maps is that of a relief.
     pub fn number(&self, relief: &Relief) -> Option<usize> {
         self.numbers.get(&std::ptr::from_ref(relief).addr()).copied()

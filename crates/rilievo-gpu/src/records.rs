@@ -2,8 +2,8 @@
 //! `shaders/params.wgsl`, field by field in their order, in words of 32 bits.
 
 use rilievo::glam::DVec3;
-use rilievo::map::{Axis, HeightMap, Lattice, LevelBounds, Pyramid, Samples, Wrap};
-use rilievo::relief::ReliefFace;
+use rilievo::map::{Axis, CubeFace, HeightMap, Lattice, LevelBounds, Pyramid, Samples, Wrap};
+use rilievo::relief::{Relief, ReliefFace, ReliefMesh, ReliefSphere};
 use rilievo::{Hit, Part, Ray, Wall};
 use rilievo_render::ShadowRay;
 
@@ -13,6 +13,8 @@ pub(crate) const RAY_WORDS: usize = 20;
 pub(crate) const HIT_WORDS: usize = 12;
 /// Words of a face.
 pub(crate) const FACE_WORDS: usize = 72;
+/// Words of a face before those of its map.
+const FRAME_WORDS: usize = 54;
 /// Words of a surface.
 pub(crate) const SURFACE_WORDS: usize = 4;
 /// Words of a node.
@@ -30,6 +32,8 @@ const NOTHING: u32 = u32::MAX;
 const FRONT: u32 = 1;
 /// Bit of a surface that rays from behind pass through.
 const ONE_SIDED: u32 = 4;
+/// The kind of a wall of a displaced mesh.
+const SEAM_WALL: u32 = 7;
 /// Where the kind of a wall begins.
 const WALL_SHIFT: u32 = 8;
 
@@ -89,6 +93,8 @@ pub(crate) fn write_ray(words: &mut Vec<u32>, ray: &Ray, anchor: DVec3) {
             let (kind, line) = match from.part {
                 Part::Wall(wall) => wall_code(wall),
                 Part::Triangle(index) => (0, index as i32),
+                Part::TriangleCell { triangle, .. } => (0, triangle as i32),
+                Part::SeamWall(wall) => (SEAM_WALL, wall as i32),
                 _ => (0, 0),
             };
             let side = if from.front { FRONT } else { 0 };
@@ -172,6 +178,25 @@ impl HitRecord<'_> {
             kind => face.hit_on_wall(ray, t, wall_of((kind, cell[0])), front),
         }
     }
+
+    /// The hit on a displaced sphere at `t`, as [`HitRecord::on_face`].
+    pub fn on_relief_sphere(&self, sphere: &ReliefSphere, ray: &Ray, t: f64) -> Hit {
+        let face = CubeFace::ALL[(self.0[9] >> WALL_SHIFT) as usize % 6];
+        let last = sphere.relief().cells() - 1;
+        let cell = [self.0[6].min(last), self.0[7].min(last)];
+        let local = [self.double(2), self.double(4)].map(|x| x.clamp(0.0, 1.0));
+        sphere.hit_in_cell(ray, t, (face, cell, local), self.0[9] & FRONT != 0)
+    }
+
+    /// The hit on a displaced mesh at `t`, as [`HitRecord::on_face`].
+    pub fn on_relief_mesh(&self, mesh: &ReliefMesh, ray: &Ray, t: f64) -> Hit {
+        let (piece, front) = (self.0[11], self.0[9] & FRONT != 0);
+        let (cell, at) = ([self.0[6] as i32, self.0[7] as i32], [self.double(2), self.double(4)]);
+        match self.0[9] >> WALL_SHIFT {
+            SEAM_WALL => mesh.hit_on_wall(ray, t, (piece, at), front),
+            _ => mesh.hit_in_cell(ray, t, (piece, cell, at), front),
+        }
+    }
 }
 
 /// Writes a face whose map lies at `place` and whose distance map, if it walks one, is told of at `distance`;
@@ -182,7 +207,7 @@ pub(crate) fn write_face(
     (place, distance): (MapPlace, Option<u32>),
     anchor: DVec3,
 ) {
-    let (frame, map) = (face.lattice_frame(), face.relief().heights());
+    let frame = face.lattice_frame();
     let by_row = frame.lattice_from_world.transpose();
     [by_row.x_axis, by_row.y_axis, by_row.z_axis].into_iter().for_each(|row| words.vector(row));
     words.vector(frame.corner - anchor);
@@ -190,19 +215,40 @@ pub(crate) fn write_face(
     frame.window.as_flattened().iter().for_each(|&x| words.double(x));
     frame.shell.into_iter().for_each(|corner| words.vector(corner));
     frame.culled.into_iter().for_each(|z| words.double(z));
+    let options = face.options();
+    let flags = [frame.rises, options.closed, options.one_sided];
+    write_map(words, face.relief(), place, [frame.lift, frame.raw_zero], flags);
+    words.push(distance.unwrap_or(NOTHING));
+}
+
+/// Writes a map that is no face's in the place of a face; the frame stays empty.
+pub(crate) fn write_map_alone(words: &mut Vec<u32>, relief: &Relief, place: MapPlace) {
+    words.resize(words.len() + FRAME_WORDS, 0);
+    write_map(words, relief, place, [0.0; 2], [false; 3]);
+    words.push(NOTHING);
+}
+
+/// Writes what of a face is its map's, but for distances.
+fn write_map(
+    words: &mut Vec<u32>,
+    relief: &Relief,
+    place: MapPlace,
+    [lift, raw_zero]: [f64; 2],
+    [rises, closed, one_sided]: [bool; 3],
+) {
+    let map = relief.heights();
     let (low, high) = map.raw_range();
-    let code = face.relief().pyramid().code();
-    for x in [low, high, low.abs().max(high.abs()), frame.lift as f32, code.base, code.step] {
+    let code = relief.pyramid().code();
+    for x in [low, high, low.abs().max(high.abs()), lift as f32, code.base, code.step] {
         words.float(x);
     }
-    words.float(frame.raw_zero as f32);
-    let options = face.options();
+    words.float(raw_zero as f32);
     let floats = matches!(map.samples(), Samples::F32(_));
-    let flags = [frame.rises, options.closed, options.one_sided, floats];
+    let flags = [rises, closed, one_sided, floats];
     words.push(flags.into_iter().zip(0..).map(|(flag, bit)| u32::from(flag) << bit).sum());
     words.extend([map.width(), map.height(), map.x().cells(), map.y().cells()]);
     words.extend(unfolding(map.x()));
-    words.extend([place.heights, place.bounds, levels(map), distance.unwrap_or(NOTHING)]);
+    words.extend([place.heights, place.bounds, levels(map)]);
 }
 
 /// A surface of the world, or what an instance shows.
@@ -229,6 +275,21 @@ impl SurfaceRecord {
     /// Triangles by the root of their tree.
     pub fn triangles(root: u32, one_sided: bool) -> Self {
         Self { kind: 3, data: root, one_sided, transform: None }
+    }
+
+    /// A displaced sphere by the place of its numbers.
+    pub fn relief_sphere(place: u32) -> Self {
+        Self { kind: 4, data: place, one_sided: false, transform: None }
+    }
+
+    /// A displaced mesh by the place of its numbers.
+    pub fn relief_mesh(place: u32) -> Self {
+        Self { kind: 5, data: place, one_sided: false, transform: None }
+    }
+
+    /// A surface that no ray meets.
+    pub fn nothing() -> Self {
+        Self { kind: 0, data: 0, one_sided: false, transform: None }
     }
 
     /// The same surface as an instance shows it, by the place of the transform in `numbers`.

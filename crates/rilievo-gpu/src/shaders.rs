@@ -9,7 +9,7 @@ const BOUNDS: (&str, u32) = ("bound", 1);
 /// Group of the words of heights.
 const HEIGHTS: (&str, u32) = ("height", 2);
 
-/// Which kinds of walk the faces of a world ask for. A kernel holds these and no others: each takes drivers seconds
+/// Which kinds of walk the displaced surfaces of a world ask for. A kernel holds these and no others: each takes drivers seconds
 /// to compile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct Walks {
@@ -19,6 +19,10 @@ pub(crate) struct Walks {
     pub distances: bool,
     /// As the paper has it.
     pub published: bool,
+    /// Displaced spheres.
+    pub spheres: bool,
+    /// Displaced meshes.
+    pub meshes: bool,
 }
 
 /// The nearest hit of many rays, by these walks, with heights and bounds that are cut into these pages.
@@ -28,6 +32,17 @@ pub(crate) fn closest(walks: Walks, [heights, bounds]: [Pages; 2]) -> String {
 }
 
 impl Walks {
+    /// All that either asks for.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds || other.bounds,
+            distances: self.distances || other.distances,
+            published: self.published || other.published,
+            spheres: self.spheres || other.spheres,
+            meshes: self.meshes || other.meshes,
+        }
+    }
+
     /// The functions by which `shaders/trace.wgsl` walks the face at hand.
     fn text(self) -> String {
         let no_distance = "faces[face].distance == NOTHING";
@@ -49,8 +64,13 @@ impl Walks {
                 "return meet_published(t_max, number);",
             ],
         };
+        let faces = self.bounds || self.distances || self.published;
+        let Self { spheres, meshes, .. } = self;
         format!(
-            "fn walk_tile(tile: Tile, begin: f32, end: f32) -> LeafHit {{ {walk} }}\n\
+            "const FACES: bool = {faces};\n\
+             const RELIEF_SPHERES: bool = {spheres};\n\
+             const RELIEF_MESHES: bool = {meshes};\n\
+             fn walk_tile(tile: Tile, begin: f32, end: f32) -> LeafHit {{ {walk} }}\n\
              fn meets_points() -> bool {{ {meets} }}\n\
              fn meet_points(t_max: Double, number: u32) -> Hit {{ {meet} }}\n"
         )
@@ -119,6 +139,21 @@ const CLOSEST: &str = concat!(
     include_str!("shaders/trace.wgsl"),
     include_str!("shaders/triangle.wgsl"),
     include_str!("shaders/sphere.wgsl"),
+    include_str!("shaders/sphere/radii.wgsl"),
+    include_str!("shaders/sphere/leaf.wgsl"),
+    include_str!("shaders/sphere/clip.wgsl"),
+    include_str!("shaders/sphere/segment.wgsl"),
+    include_str!("shaders/sphere/sweep.wgsl"),
+    include_str!("shaders/sphere/walk.wgsl"),
+    include_str!("shaders/sphere/crossing.wgsl"),
+    include_str!("shaders/mesh/line.wgsl"),
+    include_str!("shaders/mesh/frame.wgsl"),
+    include_str!("shaders/mesh/prism.wgsl"),
+    include_str!("shaders/mesh/patch.wgsl"),
+    include_str!("shaders/mesh/leaf.wgsl"),
+    include_str!("shaders/mesh/wall.wgsl"),
+    include_str!("shaders/mesh/departure.wgsl"),
+    include_str!("shaders/mesh/walk.wgsl"),
     include_str!("shaders/world.wgsl"),
     include_str!("shaders/closest.wgsl"),
 );
@@ -150,9 +185,10 @@ mod tests {
     #[test]
     fn shaders_are_valid_without_optional_features() {
         for pages in [[ONE, ONE], [THREE, ONE], [ONE, THREE]] {
-            for walks in 0..8 {
-                let [bounds, distances, published] = [1, 2, 4].map(|bit| walks & bit != 0);
-                let walks = Walks { bounds, distances, published };
+            for walks in 0..32 {
+                let [bounds, distances, published, spheres, meshes] =
+                    [1, 2, 4, 8, 16].map(|bit| walks & bit != 0);
+                let walks = Walks { bounds, distances, published, spheres, meshes };
                 assert_eq!(validated(&closest(walks, pages)).entry_points.len(), 1);
             }
             assert_eq!(validated(&pyramid(pages)).entry_points.len(), 2);

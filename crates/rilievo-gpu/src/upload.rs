@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use rilievo::accel::{Aabb, Bvh, BvhNode};
 use rilievo::glam::{DAffine3, DMat3, DVec3};
+use rilievo::map::CubeFace;
 use rilievo::mesh::Mesh;
-use rilievo::relief::{Method, ReliefFace};
+use rilievo::relief::{Method, ReliefFace, ReliefMesh, ReliefSphere};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 
 use crate::error::GpuError;
@@ -17,6 +18,8 @@ use crate::maps::MapPlan;
 use crate::records::{
     self, FACE_WORDS, NODE_WORDS, SURFACE_WORDS, SurfaceRecord, TRIANGLE_WORDS, Words,
 };
+use crate::shaders::Walks;
+use crate::shells;
 
 /// Levels of two trees, one below the other, that the stack of `shaders/world.wgsl` holds.
 const LARGEST_DEPTH: u32 = 126;
@@ -78,8 +81,11 @@ impl<'a> Upload<'a> {
                 Method::March => unsupported("method march"),
                 _ => Ok(self.face(face, anchor)),
             },
-            Surface::ReliefSphere(_) => unsupported("a displaced sphere"),
-            Surface::ReliefMesh(_) => unsupported("a displaced mesh"),
+            Surface::ReliefSphere(sphere) => Ok(self.relief_sphere(sphere, anchor)),
+            Surface::ReliefMesh(mesh) if mesh.shows_other_parts() => {
+                unsupported("a displaced mesh of several materials")
+            }
+            Surface::ReliefMesh(mesh) => Ok(self.relief_mesh(mesh, anchor)),
             Surface::Instance(_) => unsupported("an instance of an instance"),
             Surface::Moving(_) => unsupported("a surface that moves"),
         }
@@ -92,10 +98,13 @@ impl<'a> Upload<'a> {
     ) -> Result<SurfaceRecord, GpuError> {
         let prototype = instance.prototype();
         let address = Arc::as_ptr(prototype).addr();
+        // Its frame counts from its own middle, as that of the world does.
+        let bounds = prototype.bounds();
+        let middle = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
         let shown = match self.prototypes.get(&address) {
             Some(record) => *record,
             None => {
-                let record = self.surface(prototype, DVec3::ZERO)?;
+                let record = self.surface(prototype, middle)?;
                 self.prototypes.insert(address, record);
                 record
             }
@@ -103,7 +112,7 @@ impl<'a> Upload<'a> {
         let DAffine3 { matrix3, translation } = instance.world_from_local().inverse();
         let transform = self.numbers.len() as u32;
         let DMat3 { x_axis, y_axis, z_axis } = matrix3.transpose();
-        [x_axis, y_axis, z_axis, matrix3 * anchor + translation]
+        [x_axis, y_axis, z_axis, matrix3 * anchor + translation - middle]
             .into_iter()
             .for_each(|row| self.numbers.vector(row));
         Ok(shown.shown_at(transform))
@@ -116,6 +125,39 @@ impl<'a> Upload<'a> {
         let number = (self.faces.len() / FACE_WORDS) as u32;
         records::write_face(&mut self.faces, face, (place, distance), anchor);
         SurfaceRecord::face(number)
+    }
+
+    /// A displaced sphere: its numbers, and the maps of its six faces one after the other in `faces`.
+    fn relief_sphere(&mut self, sphere: &'a ReliefSphere, anchor: DVec3) -> SurfaceRecord {
+        let first = (self.faces.len() / FACE_WORDS) as u32;
+        for face in CubeFace::ALL {
+            let relief = sphere.relief().face(face);
+            let place = self.maps.place(relief);
+            records::write_map_alone(&mut self.faces, relief, place);
+        }
+        self.maps.add_walks(Walks { spheres: true, ..Walks::default() });
+        let place = self.numbers.len() as u32;
+        shells::write_sphere(&mut self.numbers, sphere, anchor, first);
+        SurfaceRecord::relief_sphere(place)
+    }
+
+    /// A displaced mesh: its parts and its tree, and its map in `faces`.
+    fn relief_mesh(&mut self, mesh: &'a ReliefMesh, anchor: DVec3) -> SurfaceRecord {
+        let (items, boxes): (Vec<u32>, Vec<Aabb>) = mesh.items().into_iter().unzip();
+        if items.is_empty() {
+            return SurfaceRecord::nothing();
+        }
+        let face = (self.faces.len() / FACE_WORDS) as u32;
+        let map = self.maps.place(mesh.relief());
+        self.maps.add_walks(Walks { meshes: true, ..Walks::default() });
+        records::write_map_alone(&mut self.faces, mesh.relief(), map);
+        let from_centre = anchor - mesh.frame().centre;
+        let root =
+            self.tree(&Bvh::build(&boxes, 1), from_centre, |_, leaf| [items[leaf[0] as usize], 1]);
+        let places = shells::write_parts(&mut self.numbers, mesh);
+        let place = self.numbers.len() as u32;
+        shells::write_mesh(&mut self.numbers, mesh, anchor, (places, face, root));
+        SurfaceRecord::relief_mesh(place)
     }
 
     fn sphere(&mut self, sphere: &Sphere, anchor: DVec3) -> SurfaceRecord {

@@ -64,7 +64,7 @@ impl<'a> GpuWorld<'a> {
     /// Brings the surfaces of a world to a GPU: heights and pyramids, each map once.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for a displaced sphere or mesh and for a method that is not exact; otherwise as the
+    /// [`GpuError::Unsupported`] for a surface that moves and for method `march`; otherwise as the
     /// device says.
     pub fn new(gpu: &'a Gpu, world: &'a World) -> Result<Self, GpuError> {
         let anchor = anchor_of(world);
@@ -315,6 +315,8 @@ fn completed(surface: &Surface, ray: &Ray, t: f64, record: &HitRecord<'_>) -> Op
             let hit = completed(instance.prototype(), &instance.local_ray(ray), t, record)?;
             Some(instance.world_hit(hit))
         }
-        Surface::ReliefSphere(_) | Surface::ReliefMesh(_) | Surface::Moving(_) => None,
+        Surface::ReliefSphere(sphere) => Some(record.on_relief_sphere(sphere, ray, t)),
+        Surface::ReliefMesh(mesh) => Some(record.on_relief_mesh(mesh, ray, t)),
+        Surface::Moving(_) => None,
     }
 }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use rilievo::glam::{DAffine3, DQuat, DVec3};
 use rilievo::map::{Layout, RowMut};
-use rilievo::relief::{Method, Relief};
+use rilievo::relief::{Displacement, MeshOptions, Method, Relief, ReliefMesh};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
-use rilievo::{Hit, Ray};
+use rilievo::{Hit, Ray, SimdLevel};
 use rilievo_gpu::{Gpu, GpuError, GpuWorld, MapEdit};
 use rilievo_render::ShadowRay;
 use rilievo_tests::kernel;
@@ -17,6 +17,7 @@ use rilievo_tests::nudge::nudged;
 use rilievo_tests::random::Random;
 use rilievo_tests::rays::Family;
 use rilievo_tests::scenes;
+use rilievo_tests::sphere;
 
 /// Largest distance between two answers that count as one, for worlds of size 10.
 const TOLERANCE: f64 = 1e-7;
@@ -36,6 +37,12 @@ fn quad(random: &mut Random, shear: f64, one_sided: bool) -> Surface {
 /// Everything the shaders know, at random places, and instances of it.
 fn world(random: &mut Random) -> World {
     let relief = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
+    let pebble = &sphere::scenes()[1];
+    let pebble = pebble.sphere(Method::Pyramid, Layout::Default, SimdLevel::detect());
+    let map = kernel::relief(&scenes::named("fbm 64"), Method::Pyramid, Layout::Default);
+    let displacement = Displacement { scale: 0.2, zero: 0.5, ..Displacement::default() };
+    let options = MeshOptions { displacement, ..MeshOptions::default() };
+    let ring = ReliefMesh::new(&Base::Torus(12, 8).mesh(), map, options).unwrap();
     let mut all = vec![
         quad(random, 0.0, false),
         quad(random, 0.0, true),
@@ -43,13 +50,15 @@ fn world(random: &mut Random) -> World {
         Sphere::new(2.0 * random.direction(), 0.8).unwrap().into(),
         Base::Torus(24, 12).mesh().into(),
         relief.into(),
+        pebble.into(),
+        ring.into(),
     ];
-    for k in 0..12 {
+    for k in 0..16 {
         let turn = DQuat::from_axis_angle(random.direction(), random.range(0.0, 6.0));
         let scale = DVec3::new(1.0, random.range(0.5, 1.5), random.sign());
         let place =
             DAffine3::from_scale_rotation_translation(scale, turn, 4.0 * random.direction());
-        let prototype = Arc::new(all[k % 6].clone());
+        let prototype = Arc::new(all[k % 8].clone());
         all.push(Instance::new(prototype, place).unwrap().into());
     }
     World::new(all)

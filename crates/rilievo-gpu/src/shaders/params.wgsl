@@ -38,10 +38,12 @@ struct Hit {
     cell: vec2<i32>,
     // Or NOTHING.
     surface: u32,
-    // Bits: FRONT, and the kind of wall from bit 8 up, as in a ray. The triangle is in cell.x.
+    // Bits: FRONT, and the kind of wall from bit 8 up, as in a ray; of a displaced sphere the face of the
+    // cube. The triangle is in cell.x.
     part: u32,
     steps: u32,
-    unused: u32,
+    // Triangle or wall of a displaced mesh.
+    piece: u32,
 }
 
 // A displaced parallelogram and its map; the names are those of `relief::LatticeFrame`.
@@ -85,7 +87,8 @@ struct Face {
 struct Surface {
     kind: u32,
     // Of a face: its place in `faces`. Of a sphere: the place of centre and radius in `numbers`. Of
-    // triangles: the root of their tree.
+    // triangles: the root of their tree. Of a displaced sphere or mesh: its place in
+    // `numbers`.
     data: u32,
     // Place in `numbers` of the matrix, row by row, and the translation that bring the world to its own
     // frame; NOTHING where that is the world.
@@ -113,6 +116,8 @@ const WALL_SHIFT: u32 = 8u;
 const FACE: u32 = 1u;
 const SPHERE: u32 = 2u;
 const TRIANGLES: u32 = 3u;
+const RELIEF_SPHERE: u32 = 4u;
+const RELIEF_MESH: u32 = 5u;
 
 const RISES: u32 = 1u;
 const CLOSED: u32 = 2u;

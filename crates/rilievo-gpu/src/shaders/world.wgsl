@@ -111,6 +111,20 @@ fn nearest(source: Ray) -> Hit {
             }
             continue;
         }
+        if mesh != NOTHING && surfaces[mesh].kind == RELIEF_MESH {
+            if RELIEF_MESHES {
+                if meet_mesh_item(first) {
+                    best = mesh_hit;
+                    best.t = sum(mesh_hit.t, double(mesh_start));
+                    best.surface = mesh;
+                    t_max = best.t;
+                    if source.any != 0u {
+                        return best;
+                    }
+                }
+            }
+            continue;
+        }
         if mesh != NOTHING {
             let leaves = source.surface == mesh;
             for (var k = 0u; k < count; k++) {
@@ -144,8 +158,28 @@ fn nearest(source: Ray) -> Hit {
         hit.surface = NOTHING;
         switch surfaces[number].kind {
             case FACE: {
-                face = surfaces[number].data;
-                hit = meet_face(local, t_max, number);
+                // `shaders.rs` writes which displaced surfaces there are; drivers drop the others.
+                if FACES {
+                    face = surfaces[number].data;
+                    hit = meet_face(local, t_max, number);
+                }
+            }
+            case RELIEF_MESH: {
+                if RELIEF_MESHES {
+                    mesh = number;
+                    floor_of_mesh = size;
+                    slabs = slab_ray(local);
+                    let leaves = source.surface == number;
+                    enter_mesh(local, surfaces[number].data, leaves, slabs, t_max);
+                    stack[size] = relief_mesh.root;
+                    size += 1u;
+                }
+            }
+            case RELIEF_SPHERE: {
+                if RELIEF_SPHERES {
+                    let leaves = source.surface == number;
+                    hit = meet_relief_sphere(local, t_max, surfaces[number].data, leaves);
+                }
             }
             case SPHERE: {
                 hit = meet_sphere(local, t_max, surfaces[number].data, source.surface == number);

@@ -56,11 +56,14 @@ pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
 pub use lattice_frame::LatticeFrame;
 pub use mesh::{
-    Edges, MeshCrossing, MeshOptions, MeshPart, MeshReport, ReliefMesh, ReliefMeshError, SeamSteps,
+    Edges, MeshCrossing, MeshFrame, MeshOptions, MeshPart, MeshPrism, MeshReport, MeshWall,
+    PrismFrame, ReliefMesh, ReliefMeshError, SeamSteps,
 };
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};
-pub use sphere::{CubeRelief, ReliefSphere, ReliefSphereError, SphereCrossing, SphereOptions};
+pub use sphere::{
+    CubeRelief, ReliefSphere, ReliefSphereError, SphereCrossing, SphereFrame, SphereOptions,
+};
 pub use trace::Crossing;
 
 /// A height map with what was derived from it; one relief serves any number of faces.

@@ -47,6 +47,7 @@
 use glam::{DMat3, DVec3};
 
 use super::footprint::MARGIN;
+use super::parts::PrismFrame;
 use super::prism::Sheet;
 
 /// A linear map of space to lattice coordinates about a centre.
@@ -112,6 +113,19 @@ impl Frame {
     #[inline(always)]
     pub fn is_blind(&self) -> bool {
         self.error[0] == f32::INFINITY
+    }
+
+    /// What it holds, for other backends; nothing if it is blind.
+    pub fn parts(&self, centre: DVec3) -> Option<PrismFrame> {
+        let Self { at, lattice_from_space, bend, error, noise } = *self;
+        (!self.is_blind()).then(|| PrismFrame {
+            centre,
+            at,
+            lattice_from_space: wide(lattice_from_space),
+            bend: bend.map(widened),
+            error: widened(error),
+            noise: widened(noise),
+        })
     }
 
     pub fn about(sheet: &Sheet, centre: DVec3, region: &Region, rounding: f64) -> Self {

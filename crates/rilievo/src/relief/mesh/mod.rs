@@ -30,6 +30,7 @@ mod line;
 mod matching;
 mod nearest;
 mod options;
+mod parts;
 mod patch;
 mod prism;
 mod seams;
@@ -57,6 +58,7 @@ use joined::{Neighbour, Whole};
 pub use matching::SeamSteps;
 use nearest::Candidate;
 pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
+pub use parts::{MeshFrame, MeshPrism, MeshWall, PrismFrame};
 use prism::{Prism, Shape};
 use vertices::{Offsets, Vertex};
 use wall::{Side, Wall};
@@ -172,6 +174,11 @@ impl ReliefMesh {
 
     /// Builds the tree.
     fn plant(&mut self) {
+        self.tree = WideBvh::build(&self.boxes(), self.reach);
+    }
+
+    /// What a ray may meet, in boxes: prisms, and walls after all prisms.
+    fn boxes(&self) -> Vec<(u32, Aabb)> {
         let count = self.prisms.len() as u32;
         let mut items = Vec::with_capacity(self.prisms.len() + self.walls.len());
         for (index, prism) in (0..).zip(&self.prisms) {
@@ -195,7 +202,7 @@ impl ReliefMesh {
             let bounds = self.around(&wall.ends, range);
             items.push((index, bounds.grown(4.0 * wall::OVERLAP * self.reach)));
         }
-        self.tree = WideBvh::build(&items, self.reach);
+        items
     }
 
     /// The box of vertices displaced by a range of heights.

@@ -32,6 +32,7 @@
 mod by_distance;
 mod clip;
 mod cube_relief;
+mod frame;
 mod leaf;
 mod options;
 mod radii;
@@ -45,6 +46,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 pub use cube_relief::CubeRelief;
+pub use frame::SphereFrame;
 pub use options::{ReliefSphereError, SphereOptions};
 
 use crate::accel::Aabb;
