@@ -142,30 +142,36 @@ impl WideBvh {
             }
             return;
         }
-        let mut waiting = Waiting { near: [Entry(0); NEAR], len: 0, rest: Vec::new() };
+        let mut waiting = Waiting { near: [Entry::NONE; NEAR], len: 0, rest: Vec::new() };
         let mut index = 0;
         loop {
             if index & ITEM != 0 {
                 match visitor.visit::<L>(index & !ITEM, probe) {
-                    Some(lower) if lower < t_max => (t_max, limit) = (lower, rounded(lower)),
-                    Some(_) => {}
+                    Some(lower) => t_max = if lower < t_max { lower } else { t_max },
                     None => return,
                 }
+                limit = rounded(t_max);
             } else {
                 probe.node();
                 let node = &self.nodes[index as usize];
                 let (mut hits, near) = node.entered::<L>(&line, limit);
-                if hits != 0 {
-                    let first = waiting.room();
-                    while hits != 0 {
-                        let lane = hits.trailing_zeros() as usize % WIDTH;
-                        hits &= hits - 1;
-                        let child = node.children[lane];
-                        if child & ITEM != 0 {
-                            visitor.approach::<L>(child & !ITEM);
-                        }
-                        waiting.insert(first, Entry::new(child, near[lane]));
-                    }
+                let count = hits.count_ones() as usize;
+                let mut four = [Entry::NONE; 4];
+                for entry in &mut four {
+                    let lane = hits.trailing_zeros() as usize % WIDTH;
+                    let child = node.children[lane];
+                    // Of no use for a child that is no item, but to jump over it would cost more.
+                    visitor.approach::<L>(child & !ITEM);
+                    *entry = Entry::new(child, near[lane]).only_if(hits != 0);
+                    hits &= hits.wrapping_sub(1);
+                }
+                let first = waiting.push(four, count);
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize % WIDTH;
+                    hits &= hits - 1;
+                    let child = node.children[lane];
+                    visitor.approach::<L>(child & !ITEM);
+                    waiting.insert(first, Entry::new(child, near[lane]));
                 }
             }
             index = loop {
@@ -188,9 +194,18 @@ const NEAR: usize = 64;
 struct Entry(u64);
 
 impl Entry {
+    /// None; less than any other.
+    const NONE: Self = Self(0);
+
     #[inline(always)]
     fn new(child: u32, t: f32) -> Self {
         Self(u64::from(t.to_bits()) << 32 | u64::from(child))
+    }
+
+    /// Itself or [`Entry::NONE`], without a jump.
+    #[inline(always)]
+    fn only_if(self, is: bool) -> Self {
+        Self(self.0 & u64::from(is).wrapping_neg())
     }
 
     #[inline(always)]
@@ -204,6 +219,12 @@ impl Entry {
     }
 }
 
+/// The larger first.
+#[inline(always)]
+fn falling(a: Entry, b: Entry) -> (Entry, Entry) {
+    (Entry(a.0.max(b.0)), Entry(a.0.min(b.0)))
+}
+
 /// Children still to visit, the next one last.
 struct Waiting {
     near: [Entry; NEAR],
@@ -213,26 +234,35 @@ struct Waiting {
 }
 
 impl Waiting {
-    /// Makes room for the children of a node, and says where they begin.
+    /// Adds up to four children of a node of `count`, in order, the nearest last; says where they begin. There is
+    /// room for the others. It compares without jumps, which would be guessed wrong every other time.
     #[inline(always)]
-    fn room(&mut self) -> usize {
+    fn push(&mut self, [a, b, c, d]: [Entry; 4], count: usize) -> usize {
         if self.len + WIDTH > NEAR {
             self.rest.extend_from_slice(&self.near[..self.len]);
             self.len = 0;
         }
-        self.len
+        let ((a, b), (c, d)) = (falling(a, b), falling(c, d));
+        let ((a, c), (b, d)) = (falling(a, c), falling(b, d));
+        let (b, c) = falling(b, c);
+        let first = self.len;
+        for (k, entry) in [a, b, c, d].into_iter().enumerate() {
+            self.near[(first + k) % NEAR] = entry;
+        }
+        self.len = first + count.min(4);
+        first
     }
 
     /// Inserts a child so that those from `first` on are in order, the nearest last.
     #[inline(always)]
     fn insert(&mut self, first: usize, entry: Entry) {
-        let mut at = self.len;
-        self.len += 1;
-        while at > first && self.near[(at - 1) % NEAR].0 < entry.0 {
-            self.near[at % NEAR] = self.near[(at - 1) % NEAR];
-            at -= 1;
+        let mut nearer = entry;
+        for at in first..self.len {
+            let (farther, other) = falling(self.near[at % NEAR], nearer);
+            (self.near[at % NEAR], nearer) = (farther, other);
         }
-        self.near[at % NEAR] = entry;
+        self.near[self.len % NEAR] = nearer;
+        self.len += 1;
     }
 
     #[inline(always)]

@@ -268,7 +268,7 @@ impl Path {
         let (low, high) = (low - error - start, high + error - start);
         let inverse = 1.0 / speed;
         let (a, b) = (low * inverse, high * inverse);
-        let (near, far) = if speed < 0.0 { (b, a) } else { (a, b) };
+        let (near, far) = if a < b { (a, b) } else { (b, a) };
         let (moves, outside) = (speed != 0.0, (low > 0.0) | (high < 0.0));
         let to = if moves & (far < to) { far } else { to };
         let never = !moves & outside;

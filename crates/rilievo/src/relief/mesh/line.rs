@@ -35,12 +35,11 @@ impl MeshRay {
         }
         let t_start = SlabRay::new(&local).entry(bounds, ray.t_max)?;
         local.origin += t_start * local.direction;
-        let d = local.direction;
-        let z = d.abs().max_position();
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            (x, y) = (y, x);
-        }
+        let direction = local.direction;
+        let d = indexed(direction);
+        let z = direction.abs().max_position() & 3;
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let (x, y) = if d[z] < 0.0 { (y, x) } else { (x, y) };
         // Wider than any rounding: only what is far beyond the box is cut off.
         let mut leave = f64::INFINITY;
         for k in 0..3 {
@@ -57,7 +56,7 @@ impl MeshRay {
         let t_max = (leave + 0.1 * size / d[z].abs()).min(ray.t_max - t_start);
         Some(Self {
             origin: local.origin,
-            direction: d,
+            direction,
             t_start,
             t_max,
             axes: [x, y, z],
@@ -83,7 +82,9 @@ impl MeshRay {
     #[inline(always)]
     pub fn sheared(&self, v: DVec3) -> DVec3 {
         let [x, y, z] = self.axes;
-        DVec3::new(v[x] - self.shear[0] * v[z], v[y] - self.shear[1] * v[z], v[z])
+        let v = indexed(v);
+        let [x, y, z] = [v[x & 3], v[y & 3], v[z & 3]];
+        DVec3::new(x - self.shear[0] * z, y - self.shear[1] * z, z)
     }
 
     /// About [`MeshRay::t`], to three roundings, by a product.
@@ -97,4 +98,10 @@ impl MeshRay {
     pub fn t(&self, depth: f64) -> f64 {
         depth / self.along
     }
+}
+
+/// Coordinates to index without a jump for each axis; four, so that `& 3` is in bounds.
+#[inline(always)]
+fn indexed(v: DVec3) -> [f64; 4] {
+    [v.x, v.y, v.z, 0.0]
 }

@@ -275,7 +275,7 @@ impl<P: Probe, L: Lanes> Descent<'_, P, L> {
             let lane = 15 - hits.leading_zeros() as usize;
             hits &= !(1 << lane);
             let place = [first[0] + (lane as i32 & 3), first[1] + (lane as i32 >> 2)];
-            if (0..2).any(|k| place[k] * side >= end[k] || (place[k] + 1) * side <= begin[k]) {
+            if (0..2).any(|k| (place[k] * side >= end[k]) | ((place[k] + 1) * side <= begin[k])) {
                 continue;
             }
             let mut part = span;
@@ -341,7 +341,7 @@ impl<P: Probe, L: Lanes> Descent<'_, P, L> {
             hits &= hits - 1;
             let cell =
                 [4 * node.place[0] + (lane as i32 & 3), 4 * node.place[1] + (lane as i32 >> 2)];
-            if (0..2).any(|k| cell[k] >= forward.end[k] || cell[k] < forward.first[k]) {
+            if (0..2).any(|k| (cell[k] >= forward.end[k]) | (cell[k] < forward.first[k])) {
                 continue;
             }
             let cell = forward.unfolded(cell);
@@ -384,5 +384,5 @@ fn passes(path: &Path, [from, to]: [f64; 2], [low, high]: [f32; 2], slack: f64) 
     let (a, b) = (path.at(from).z, path.at(to).z);
     let room = path.error.z + slack;
     let (low, high) = (f64::from(low) - room, f64::from(high) + room);
-    (a < low && b < low) || (a > high && b > high)
+    ((a < low) & (b < low)) | ((a > high) & (b > high))
 }
