@@ -43,11 +43,12 @@ impl MeshRay {
         // Wider than any rounding: only what is far beyond the box is cut off.
         let mut leave = f64::INFINITY;
         for k in 0..3 {
-            if d[k] == 0.0 {
+            let d = direction[k];
+            if d == 0.0 {
                 continue;
             }
-            let face = if d[k] > 0.0 { bounds.max[k] } else { bounds.min[k] };
-            let t = (face - local.origin[k]) / d[k];
+            let face = if d > 0.0 { bounds.max[k] } else { bounds.min[k] };
+            let t = (face - local.origin[k]) / d;
             // Passes over NaN.
             leave = if t < leave { t } else { leave };
         }
