@@ -156,6 +156,16 @@ pub fn cases() -> Vec<Case> {
         case("pot", Base::Pot(14), texel(Shape::Fbm(18), [80, 64], Wrap::Repeat), 0.03),
         case("old pot", Base::Pot(10), texel(Shape::White(19), [24, 24], Wrap::Mirror), 0.12),
         matched(case("matched", Base::Spot, texel(Shape::Fbm(17), [64, 64], Wrap::Repeat), 0.02)),
+        // Its ends differ: it jumps between tiles, wherever their lines run.
+        Case {
+            tile: [3.0, 2.0],
+            ..case(
+                "tiled",
+                Base::Torus(8, 6),
+                Shape::White(20).codes([9, 6], Lattice::Vertex, Wrap::Repeat),
+                0.03,
+            )
+        },
     ]
 }
 

@@ -51,7 +51,14 @@ struct BaseTriangle {
 struct BaseWall {
     ends: [DVec3; 2],
     normals: [DVec3; 2],
-    sides: [Option<[DVec2; 2]>; 2],
+    sides: [Option<Shown>; 2],
+}
+
+/// Lattice coordinates of both ends of an edge, and towards which side of it the map is looked up.
+#[derive(Clone, Copy)]
+struct Shown {
+    ends: [DVec2; 2],
+    inside: DVec2,
 }
 
 /// What closes the mesh.
@@ -110,14 +117,18 @@ impl<'a> MeshOracle<'a> {
             oracle.triangles.push(base);
             for k in 0..3 {
                 let (mut a, mut b) = (k, (k + 1) % 3);
+                let inside = lattice[(k + 2) % 3] - lattice[a].midpoint(lattice[b]);
                 if key(corners[a]) > key(corners[b]) {
                     (a, b) = (b, a);
                 }
                 edges.entry([key(corners[a]), key(corners[b])]).or_default().push(BaseWall {
                     ends: [corners[a], corners[b]],
                     normals: [normals[a], normals[b]],
-                    sides: [Some([lattice[a], lattice[b]]), None],
+                    sides: [Some(Shown { ends: [lattice[a], lattice[b]], inside }), None],
                 });
+            }
+            if closing == Closing::Walls {
+                oracle.add_jumps(&[corners, normals], &lattice);
             }
         }
         if closing == Closing::Walls {
@@ -134,10 +145,40 @@ impl<'a> MeshOracle<'a> {
                 }
             }
         }
-        // Jumps between tiles need walls inside of triangles, which the oracle does not know.
-        let tiled = map.x().lattice() == Lattice::Vertex && map.x().wrap() == Wrap::Repeat;
-        assert!(!tiled, "a map that may jump between tiles");
         oracle
+    }
+
+    /// Adds walls where the map repeats on a vertex lattice: along each line between tiles that crosses a triangle.
+    fn add_jumps(&mut self, [corners, normals]: &[[DVec3; 3]; 2], lattice: &[DVec2; 3]) {
+        for (axis, across) in [self.map.x(), self.map.y()].into_iter().enumerate() {
+            if (across.lattice(), across.wrap()) != (Lattice::Vertex, Wrap::Repeat) {
+                continue;
+            }
+            let period = f64::from(across.period());
+            let at = lattice.map(|l| l[axis] / period);
+            let (low, high) =
+                at.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
+            for line in low.ceil() as i64..=high.floor() as i64 {
+                let line = line as f64;
+                // Places where the border of the triangle crosses the line, as a corner and a share of the way to the next.
+                let ends: Vec<(usize, f64)> = (0..3)
+                    .map(|k| (k, (line - at[k]) / (at[(k + 1) % 3] - at[k])))
+                    .filter(|(_, s)| (0.0..1.0).contains(s))
+                    .collect();
+                let &[(k, s), (l, r)] = ends.as_slice() else { continue };
+                let both = |of: &[DVec3; 3]| {
+                    [of[k].lerp(of[(k + 1) % 3], s), of[l].lerp(of[(l + 1) % 3], r)]
+                };
+                let shown = [
+                    lattice[k].lerp(lattice[(k + 1) % 3], s),
+                    lattice[l].lerp(lattice[(l + 1) % 3], r),
+                ];
+                let side =
+                    |towards: f64| Some(Shown { ends: shown, inside: towards * DVec2::AXES[axis] });
+                let (ends, normals) = (both(corners), both(normals));
+                self.walls.push(BaseWall { ends, normals, sides: [side(-1.0), side(1.0)] });
+            }
+        }
     }
 
     fn offset(&self, raw: f64) -> f64 {
@@ -146,6 +187,15 @@ impl<'a> MeshOracle<'a> {
 
     fn raw(&self, offset: f64) -> f64 {
         (offset / self.displacement.scale + self.displacement.zero) / self.map.unit()
+    }
+
+    /// The raw height at lattice coordinates, as the cell shows it that holds others near by.
+    fn raw_beside(&self, at: DVec2, near: DVec2) -> f64 {
+        let cell = near.floor();
+        let [h00, h10, h01, h11] =
+            self.map.unfolded_corners(cell.x as i32, cell.y as i32).map(f64::from);
+        let DVec2 { x, y } = at - cell;
+        (1.0 - x) * (1.0 - y) * h00 + x * (1.0 - y) * h10 + (1.0 - x) * y * h01 + x * y * h11
     }
 
     /// A ball around what a triangle shows of a cell.
@@ -300,9 +350,9 @@ impl<'a> MeshOracle<'a> {
             let across = n.cross(d);
             let offset = -(p - ray.origin).cross(d).dot(across) / across.length_squared();
             let heights = wall.sides.map(|side| match side {
-                Some([a, b]) => {
-                    let l = a.lerp(b, s);
-                    self.map.raw_at_lattice(l.x, l.y)
+                Some(Shown { ends: [a, b], inside }) => {
+                    let at = a.lerp(b, s);
+                    self.raw_beside(at, at + 1e-7 * inside)
                 }
                 None => self.raw(0.0),
             });

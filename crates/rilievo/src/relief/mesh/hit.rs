@@ -132,14 +132,13 @@ impl ReliefMesh {
         let point = wall.point(self, candidate.at);
         let triangle = &self.data.triangles[wall.triangle as usize];
         let prism = &self.prisms[wall.triangle as usize];
-        let ends = wall.ends.map(|end| prism.corners.iter().position(|&k| k == end).unwrap_or(0));
-        let uv = match triangle.uvs {
-            Some(uvs) => {
-                let [a, b] = ends.map(|k| self.data.uvs[uvs[k] as usize]);
-                a.lerp(b, candidate.at.x)
-            }
-            None => DVec2::ZERO,
+        let corner = |end: u32| prism.corners.iter().position(|&k| k == end);
+        let uv_of = |end: usize| match (triangle.uvs, corner(wall.ends[end])) {
+            (Some(uvs), Some(k)) => self.data.uvs[uvs[k] as usize],
+            // Of a wall inside of the triangle, from where it shows the map.
+            _ => self.uv_at(wall.first.ends[end]),
         };
+        let uv = uv_of(0).lerp(uv_of(1), candidate.at.x);
         let corners = triangle.positions.map(|p| self.data.positions[p as usize]);
         let position = self.centre + point.position;
         Hit {
@@ -157,6 +156,13 @@ impl ReliefMesh {
             part: Part::SeamWall(index),
             time: 0.0,
         }
+    }
+
+    /// The uv that show a place of the unfolded lattice.
+    fn uv_at(&self, [x, y]: [f64; 2]) -> DVec2 {
+        let (heights, shown) = (self.relief.heights(), self.options.displacement);
+        let tiled = DVec2::new(heights.x().parameter(x), heights.y().parameter(y));
+        (tiled - DVec2::from_array(shown.shift)) / DVec2::from_array(shown.tile)
     }
 
     #[inline(always)]

@@ -23,6 +23,7 @@ use super::footprint::{Footprint, MARGIN};
 use super::options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
 use super::prism::Prism;
 use super::seams::{SeamSide, Seams, Shown};
+use super::tiles;
 use super::vertices::{Ground, Offsets, Vertices};
 use super::{Displacement, MAX_REACH, Relief, ReliefMesh, lattice};
 
@@ -208,7 +209,12 @@ pub(super) fn lay(
             laid.push(None);
             continue;
         };
-        let Draft { relief, options, lattice, offsets, vertices } = draft;
+        let Draft { relief, options, lattice, offsets, mut vertices } = draft;
+        let inner = match options.edges {
+            Edges::AsAuthored => Vec::new(),
+            Edges::Shared => tiles::walls(&mut vertices, &lattice, relief.heights())
+                .map_err(|error| (own, error))?,
+        };
         let level = f64::from(offsets.level);
         let prisms: Vec<Prism> = (vertices.corners.par_iter().zip(&lattice))
             .map(|(&corners, &lattice)| {
@@ -217,7 +223,9 @@ pub(super) fn lay(
                 Prism::new(corners, &vertices.all, lattice, range, reach)
             })
             .collect();
-        let seams = std::mem::take(&mut seams[own]);
+        let Seams { mut walls, between, borders, open, beside } = std::mem::take(&mut seams[own]);
+        let tile_walls = inner.len();
+        walls.extend(inner);
         let mut mesh = ReliefMesh {
             height_slack: 8.0 * MARGIN * offsets.half_range,
             data: Arc::clone(&parts[own].data),
@@ -228,16 +236,17 @@ pub(super) fn lay(
             offsets,
             vertices: vertices.all,
             prisms,
-            walls: seams.walls,
-            neighbours: if seams.beside { neighbours.clone() } else { Vec::new() },
+            walls,
+            neighbours: if beside { neighbours.clone() } else { Vec::new() },
             whole: None,
             tree: WideBvh::default(),
             cut: Aabb::around([]),
             reach,
         };
-        mesh.report.seam_walls = seams.between;
-        mesh.report.border_walls = seams.borders;
-        mesh.report.open_edges = seams.open;
+        mesh.report.seam_walls = between;
+        mesh.report.tile_walls = tile_walls;
+        mesh.report.border_walls = borders;
+        mesh.report.open_edges = open;
         mesh.judge_triangles();
         mesh.plant();
         mesh.cut = box_of_all.unwrap_or(mesh.tree.bounds());

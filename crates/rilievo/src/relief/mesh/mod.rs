@@ -16,7 +16,8 @@
 //! **Proven**: no root is left out (`frame`, `walk`), every root is enclosed (`leaf`), all bounds are
 //! computed, so it holds for moved and scaled scenes. A mesh that is closed in its positions is closed
 //! when displaced with [`Edges::Shared`]: sheets that meet in an edge meet in the same points where
-//! they show the same heights, and a wall stands between them where they do not (`wall`).
+//! they show the same heights, and a wall stands between them where they do not (`wall`), as it does where the map
+//! itself jumps under a triangle (`tiles`).
 //!
 //! **Measured**: docs/METHODS.md.
 
@@ -35,6 +36,7 @@ mod patch;
 mod prism;
 mod seams;
 mod search;
+mod tiles;
 mod vertices;
 mod walk;
 mod wall;

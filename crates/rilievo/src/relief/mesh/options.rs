@@ -49,6 +49,8 @@ pub struct MeshReport {
     pub folded: Vec<u32>,
     /// Walls that close seams: pairs of triangles that show different heights on a common edge.
     pub seam_walls: usize,
+    /// Walls inside of triangles, between tiles of a map whose ends differ.
+    pub tile_walls: usize,
     /// Walls that close open borders.
     pub border_walls: usize,
     /// Edges with one triangle only.
@@ -87,6 +89,14 @@ pub enum ReliefMeshError {
     TooLarge {
         /// Largest coordinate.
         found: f64,
+    },
+    /// A map whose ends differ is repeated too often.
+    #[error(
+        "the two ends of the map differ, and tiles of it meet inside of triangles at {found} places, each of which takes a wall; at most 4194304"
+    )]
+    TooManyWalls {
+        /// How many it would take.
+        found: u64,
     },
     /// The method is approximate, for faces only.
     #[error("method {0} is for faces only; meshes are walked by the exact methods")]

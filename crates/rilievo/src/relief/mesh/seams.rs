@@ -10,7 +10,7 @@ use super::wall::{Side, Wall};
 use super::{Displacement, Relief};
 
 /// Lattice coordinates nearer than this show the same place of the map.
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 
 /// Walls of a part, and counts of them.
 #[derive(Default)]
@@ -200,7 +200,7 @@ fn same(a: &Side, b: &Side, heights: &HeightMap, jumps: [bool; 2]) -> bool {
 }
 
 /// Whether the surface jumps between tiles along an axis.
-fn jumps(heights: &HeightMap, axis: &Axis, along_x: bool) -> bool {
+pub(super) fn jumps(heights: &HeightMap, axis: &Axis, along_x: bool) -> bool {
     if (axis.lattice(), axis.wrap()) != (Lattice::Vertex, Wrap::Repeat) {
         return false;
     }
