@@ -12,12 +12,13 @@
 mod cells;
 mod polynomial;
 mod verdict;
+mod walls;
 
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 use rilievo::Ray;
-use rilievo::map::{HeightMap, Lattice, Wrap};
+use rilievo::map::HeightMap;
 use rilievo::mesh::Mesh;
 use rilievo::relief::Displacement;
 
@@ -25,6 +26,7 @@ use crate::ball::{Ball, Line};
 use cells::cells_under;
 use polynomial::{add, bernstein, roots, times};
 pub use verdict::Verdict;
+use walls::{BaseWall, Shown};
 
 /// Room for rounding where a closed border counts, in weights and cells.
 const CLOSED: f64 = 1e-9;
@@ -45,20 +47,6 @@ struct BaseTriangle {
     cells: Vec<[i32; 2]>,
     /// One a cell.
     balls: Vec<Ball>,
-}
-
-/// An edge with what its sides show; nothing stands for offset 0.
-struct BaseWall {
-    ends: [DVec3; 2],
-    normals: [DVec3; 2],
-    sides: [Option<Shown>; 2],
-}
-
-/// Lattice coordinates of both ends of an edge, and towards which side of it the map is looked up.
-#[derive(Clone, Copy)]
-struct Shown {
-    ends: [DVec2; 2],
-    inside: DVec2,
 }
 
 /// What closes the mesh.
@@ -121,11 +109,10 @@ impl<'a> MeshOracle<'a> {
                 if key(corners[a]) > key(corners[b]) {
                     (a, b) = (b, a);
                 }
-                edges.entry([key(corners[a]), key(corners[b])]).or_default().push(BaseWall {
-                    ends: [corners[a], corners[b]],
-                    normals: [normals[a], normals[b]],
-                    sides: [Some(Shown { ends: [lattice[a], lattice[b]], inside }), None],
-                });
+                let shown = Shown { ends: [lattice[a], lattice[b]], inside };
+                let (ends, normals) = ([corners[a], corners[b]], [normals[a], normals[b]]);
+                let wall = oracle.wall(ends, normals, [Some(shown), None]);
+                edges.entry([key(corners[a]), key(corners[b])]).or_default().push(wall);
             }
             if closing == Closing::Walls {
                 oracle.add_jumps(&[corners, normals], &lattice);
@@ -139,46 +126,12 @@ impl<'a> MeshOracle<'a> {
                 } else {
                     for other in uses {
                         first.sides[1] = other.sides[0];
-                        let BaseWall { ends, normals, sides } = first;
-                        oracle.walls.push(BaseWall { ends, normals, sides });
+                        oracle.walls.push(first);
                     }
                 }
             }
         }
         oracle
-    }
-
-    /// Adds walls where the map repeats on a vertex lattice: along each line between tiles that crosses a triangle.
-    fn add_jumps(&mut self, [corners, normals]: &[[DVec3; 3]; 2], lattice: &[DVec2; 3]) {
-        for (axis, across) in [self.map.x(), self.map.y()].into_iter().enumerate() {
-            if (across.lattice(), across.wrap()) != (Lattice::Vertex, Wrap::Repeat) {
-                continue;
-            }
-            let period = f64::from(across.period());
-            let at = lattice.map(|l| l[axis] / period);
-            let (low, high) =
-                at.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-            for line in low.ceil() as i64..=high.floor() as i64 {
-                let line = line as f64;
-                // Places where the border of the triangle crosses the line, as a corner and a share of the way to the next.
-                let ends: Vec<(usize, f64)> = (0..3)
-                    .map(|k| (k, (line - at[k]) / (at[(k + 1) % 3] - at[k])))
-                    .filter(|(_, s)| (0.0..1.0).contains(s))
-                    .collect();
-                let &[(k, s), (l, r)] = ends.as_slice() else { continue };
-                let both = |of: &[DVec3; 3]| {
-                    [of[k].lerp(of[(k + 1) % 3], s), of[l].lerp(of[(l + 1) % 3], r)]
-                };
-                let shown = [
-                    lattice[k].lerp(lattice[(k + 1) % 3], s),
-                    lattice[l].lerp(lattice[(l + 1) % 3], r),
-                ];
-                let side =
-                    |towards: f64| Some(Shown { ends: shown, inside: towards * DVec2::AXES[axis] });
-                let (ends, normals) = (both(corners), both(normals));
-                self.walls.push(BaseWall { ends, normals, sides: [side(-1.0), side(1.0)] });
-            }
-        }
     }
 
     fn offset(&self, raw: f64) -> f64 {
@@ -187,15 +140,6 @@ impl<'a> MeshOracle<'a> {
 
     fn raw(&self, offset: f64) -> f64 {
         (offset / self.displacement.scale + self.displacement.zero) / self.map.unit()
-    }
-
-    /// The raw height at lattice coordinates, as the cell shows it that holds others near by.
-    fn raw_beside(&self, at: DVec2, near: DVec2) -> f64 {
-        let cell = near.floor();
-        let [h00, h10, h01, h11] =
-            self.map.unfolded_corners(cell.x as i32, cell.y as i32).map(f64::from);
-        let DVec2 { x, y } = at - cell;
-        (1.0 - x) * (1.0 - y) * h00 + x * (1.0 - y) * h10 + (1.0 - x) * y * h01 + x * y * h11
     }
 
     /// A ball around what a triangle shows of a cell.
@@ -252,15 +196,26 @@ impl<'a> MeshOracle<'a> {
         self.crossings_among(ray, &self.cells_near(ray))
     }
 
-    /// The same, for some cells and all walls.
+    /// The same, asking every cell and every wall.
+    pub fn every_crossing(&self, ray: &Ray) -> Vec<f64> {
+        self.crossings_of(ray, &self.all_cells(), &self.walls.iter().collect::<Vec<_>>())
+    }
+
+    /// The same, for some cells.
     pub fn crossings_among(&self, ray: &Ray, cells: &[(u32, [i32; 2])]) -> Vec<f64> {
+        let line = Line::of(ray);
+        let near: Vec<_> = self.walls.iter().filter(|wall| !line.misses(&wall.ball)).collect();
+        self.crossings_of(ray, cells, &near)
+    }
+
+    fn crossings_of(&self, ray: &Ray, cells: &[(u32, [i32; 2])], walls: &[&BaseWall]) -> Vec<f64> {
         let line = Line::of(ray);
         let mut all = Vec::new();
         for listed in cells.chunk_by(|a, b| a.0 == b.0) {
             let base = &self.triangles[listed[0].0 as usize];
             self.cross_cells(base, listed, (ray, &line), &mut all);
         }
-        for wall in &self.walls {
+        for wall in walls {
             self.cross_wall(wall, ray, &mut all);
         }
         all.sort_by(f64::total_cmp);
@@ -332,35 +287,6 @@ impl<'a> MeshOracle<'a> {
                         (0..3).map(|k| w[k] * (base.corners[k] + o * base.normals[k])).sum();
                     all.push((at - ray.origin).dot(ray.direction) / ray.direction.length_squared());
                 }
-            }
-        }
-    }
-
-    fn cross_wall(&self, wall: &BaseWall, ray: &Ray, all: &mut Vec<f64>) {
-        let d = ray.direction;
-        let at =
-            |s: f64| (wall.ends[0].lerp(wall.ends[1], s), wall.normals[0].lerp(wall.normals[1], s));
-        let volume = |s: f64| {
-            let (p, n) = at(s);
-            (p - ray.origin).cross(n).dot(d)
-        };
-        let (f0, f1, f2) = (volume(0.0), volume(0.5), volume(1.0));
-        for s in roots(&[f0, -3.0 * f0 + 4.0 * f1 - f2, 2.0 * (f0 - 2.0 * f1 + f2)]) {
-            let (p, n) = at(s);
-            let across = n.cross(d);
-            let offset = -(p - ray.origin).cross(d).dot(across) / across.length_squared();
-            let heights = wall.sides.map(|side| match side {
-                Some(Shown { ends: [a, b], inside }) => {
-                    let at = a.lerp(b, s);
-                    self.raw_beside(at, at + 1e-7 * inside)
-                }
-                None => self.raw(0.0),
-            });
-            let raw = self.raw(offset);
-            let pad = CLOSED * (heights[0] - heights[1]).abs();
-            let (low, high) = (heights[0].min(heights[1]), heights[0].max(heights[1]));
-            if (low - pad..=high + pad).contains(&raw) && high - low > 1e-9 * high.abs() {
-                all.push((p + offset * n - ray.origin).dot(d) / d.length_squared());
             }
         }
     }
