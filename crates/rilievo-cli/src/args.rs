@@ -17,7 +17,7 @@ use rilievo_io::image::Stored;
 use crate::denoise::Denoiser;
 use crate::view::ViewArgs;
 pub use bake::{Bake, BakeArgs, BakeFiles, BoundsArgs, DistanceArgs, FaceSize, NormalArgs};
-pub use render::{Backend, RenderArgs};
+pub use render::RenderArgs;
 use value::{ExrPath, PngPath};
 
 /// Ray-traces displacement-mapped surfaces without tessellating them.

@@ -216,8 +216,13 @@ impl Gpu {
 
     /// A kernel for maps that are cut into these pages; compiled when it is asked for first.
     pub(crate) fn pipeline(&self, kernel: Kernel, pages: [Pages; 2]) -> wgpu::ComputePipeline {
-        let mut known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        known.entry((kernel, pages)).or_insert_with(|| self.compiled(kernel, pages)).clone()
+        let known = || self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = known().get(&(kernel, pages)) {
+            return pipeline.clone();
+        }
+        // That takes seconds on some devices; others may ask for other kernels meanwhile.
+        let pipeline = self.compiled(kernel, pages);
+        known().entry((kernel, pages)).or_insert(pipeline).clone()
     }
 
     fn compiled(&self, kernel: Kernel, pages: [Pages; 2]) -> wgpu::ComputePipeline {

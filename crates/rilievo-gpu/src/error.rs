@@ -12,6 +12,14 @@ pub enum GpuError {
         /// What the system said.
         reason: String,
     },
+    /// There is a program in a GPU's place, and nobody asked for that.
+    #[error(
+        "{adapter} is no GPU but a program, slower than the CPU itself; the backend gpu takes it all the same"
+    )]
+    OnlySoftware {
+        /// Name of the adapter.
+        adapter: String,
+    },
     /// The adapter refused to be used.
     #[error("the GPU {adapter} cannot be used: {reason}")]
     NoDevice {

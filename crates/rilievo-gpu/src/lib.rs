@@ -55,6 +55,7 @@
 
 #![forbid(unsafe_code)]
 
+mod backend;
 mod device;
 mod distances;
 mod error;
@@ -68,9 +69,10 @@ mod shells;
 mod upload;
 mod world;
 
+pub use backend::{Backend, GpuTracer, UnknownBackend, check};
 pub use device::Gpu;
 pub use error::GpuError;
 pub use measure::GpuRays;
-pub use world::{GpuMaps, GpuWorld, MapEdit};
+pub use world::{GpuKernels, GpuMaps, GpuSurfaces, GpuWorld, MapEdit};
 // Its types stand in what `Gpu` gives away.
 pub use wgpu;

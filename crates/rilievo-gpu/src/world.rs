@@ -12,9 +12,10 @@ use rilievo::{Hit, Ray};
 use rilievo_render::{ShadowRay, Traced, Tracer};
 use wgpu::BufferUsages;
 
-use crate::device::Gpu;
+use crate::device::{Gpu, Kernel};
 use crate::error::GpuError;
 use crate::maps::Maps;
+use crate::pages::Pages;
 use crate::records::{self, HIT_WORDS, HitRecord, RAY_WORDS};
 use crate::upload::Upload;
 
@@ -50,6 +51,32 @@ pub struct GpuWorld<'a> {
 
 /// Heights and bounds on a GPU, of the maps of a world.
 pub struct GpuMaps(Maps);
+
+/// All that a [`GpuWorld`] has on its GPU, while nobody looks at the world itself.
+pub struct GpuSurfaces {
+    anchor: DVec3,
+    surfaces: u32,
+    maps: Maps,
+    buffers: [wgpu::Buffer; 4],
+    params: wgpu::Buffer,
+    dispatch: AtomicU32,
+}
+
+/// Which shaders trace some surfaces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GpuKernels(Kernel, [Pages; 2]);
+
+impl GpuSurfaces {
+    /// Which shaders trace them; a GPU compiles each when it is first used.
+    pub fn kernels(&self) -> GpuKernels {
+        GpuKernels(self.maps.closest(), self.maps.pages())
+    }
+
+    /// The maps alone, see [`GpuWorld::into_maps`].
+    pub fn into_maps(self) -> GpuMaps {
+        GpuMaps(self.maps)
+    }
+}
 
 /// An edit of a map that a [`GpuWorld`] holds.
 #[derive(Clone, Debug)]
@@ -90,6 +117,24 @@ impl<'a> GpuWorld<'a> {
             params: gpu.allocate("parameters", 16, params)?,
             dispatch: AtomicU32::new(FIRST_DISPATCH),
         })
+    }
+
+    /// All that lies on the GPU, for the time that the world is elsewhere: [`GpuWorld::again`].
+    pub fn into_surfaces(self) -> GpuSurfaces {
+        let Self { anchor, surfaces, maps, buffers, params, dispatch, .. } = self;
+        GpuSurfaces { anchor, surfaces, maps, buffers, params, dispatch }
+    }
+
+    /// The world that these surfaces are of, which lie on this GPU: nothing is brought over. Of another world
+    /// answers would be wrong.
+    pub fn again(gpu: &'a Gpu, world: &'a World, kept: GpuSurfaces) -> Self {
+        let GpuSurfaces { anchor, surfaces, maps, buffers, params, dispatch } = kept;
+        Self { gpu, world, anchor, surfaces, maps, buffers, params, dispatch }
+    }
+
+    /// The surfaces themselves.
+    pub fn world(&self) -> &'a World {
+        self.world
     }
 
     /// The maps alone, for a world after edits of them: they hold nothing of this one.

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rilievo::SimdLevel;
 use rilievo::map::Layout;
 use rilievo::relief::Method;
+use rilievo_gpu::Backend;
 use rilievo_io::image::Stored;
 use rilievo_io::tev::TEV_ADDRESS;
 use rilievo_render::film::Tile;
@@ -71,9 +72,13 @@ pub struct RenderArgs {
     /// not depend on it.
     #[arg(long, value_name = "LEVEL", value_parser = value::simd(), help_heading = WALK)]
     pub simd: Option<SimdLevel>,
-    /// What traces all rays: gpu needs Vulkan, Metal or Direct3D 12; auto takes the CPU where the GPU
-    /// cannot. Materials and lights are worked out on the CPU in between.
-    #[arg(long, value_enum, default_value_t = Backend::Cpu, help_heading = WALK)]
+    /// What traces all rays: gpu needs Vulkan, Metal or Direct3D 12; auto takes the CPU where there is no
+    /// GPU, or only a program in its place, and where it cannot. Materials and lights are worked out on the CPU
+    /// in between.
+    #[arg(
+        long, value_name = "BACKEND", value_parser = value::backend(), default_value = "cpu",
+        help_heading = WALK
+    )]
     pub backend: Backend,
     /// Threads; 0 takes one per processor. The picture does not depend on it.
     #[arg(
@@ -165,13 +170,6 @@ pub struct PartArgs {
     /// this, as 0.02. For the integrator path.
     #[arg(long, value_name = "E", value_parser = value::max_error)]
     pub max_error: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Backend {
-    Cpu,
-    Gpu,
-    Auto,
 }
 
 pub(super) const EXAMPLES: &str = "\

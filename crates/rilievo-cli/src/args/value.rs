@@ -10,6 +10,7 @@ use rilievo::map::{
     DistanceBits, DistanceKind, Lattice, Layout, NormalConvention, NormalKind, Wrap,
 };
 use rilievo::relief::Method;
+use rilievo_gpu::Backend;
 use rilievo_io::image::Stored;
 use rilievo_render::film::Tile;
 use rilievo_render::film::tonemap::{ToneMap, View};
@@ -116,6 +117,10 @@ pub fn sampler() -> impl TypedValueParser<Value = SamplerKind> {
 
 pub fn aov() -> impl TypedValueParser<Value = Aov> {
     PossibleValuesParser::new(Aov::ALL.map(Aov::name)).try_map(|name| name.parse::<Aov>())
+}
+
+pub fn backend() -> impl TypedValueParser<Value = Backend> {
+    PossibleValuesParser::new(Backend::ALL.map(Backend::name)).try_map(|name| name.parse())
 }
 
 pub fn filter() -> impl TypedValueParser<Value = FilterKind> {
