@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Parser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use rilievo::relief::Method;
+use rilievo_gpu::Backend;
 
 /// Looks at a scene, a height map or a texture set in a window, and edits its relief.
 #[derive(Debug, Parser)]
@@ -20,6 +22,10 @@ pub struct Arguments {
     /// The model that a bare map is shown on by the preset `mesh`; it needs texture coordinates.
     #[arg(long, value_name = "MODEL")]
     pub mesh: Option<PathBuf>,
+    /// What renders: auto takes a GPU where there is one and the CPU otherwise; gpu takes a program in a GPU's place
+    /// too.
+    #[arg(long, value_name = "BACKEND", value_parser = backend(), default_value = "auto")]
+    pub backend: Backend,
     /// Threads; 0 takes one per processor.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
@@ -44,11 +50,25 @@ Keys:
   1 2 3               tools: Move, Pick, Paint
   Ctrl+Z, Ctrl+Y      undo, redo
   Ctrl+S              save the scene
+  Ctrl+Q              close the window
 
-Exit code: 0 the window was closed, 1 bad input or no window, 2 usage.";
+Exit code: 0 the window was closed, 1 bad input or no window, 2 usage.
+
+Examples:
+  rilievo view scenes/relief/scene.toml
+  rilievo view textures/rock058/ --backend gpu
+  rilievo view heights.png --mesh spot.obj
+  rilievo view scene.toml --compare other.toml
+  rilievo view scene.toml --compare-method distance-published
+  rilievo view scene.toml --threads 4 --window 1920x1080
+  rilievo view scene.toml --journal > journal.jsonl";
 
 fn method(name: &str) -> Result<Method, String> {
     name.parse().map_err(|e: rilievo::relief::UnknownMethod| e.to_string())
+}
+
+fn backend() -> impl TypedValueParser<Value = Backend> {
+    PossibleValuesParser::new(Backend::ALL.map(Backend::name)).try_map(|name| name.parse())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
@@ -56,4 +76,33 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     found
         .filter(|size| size.iter().all(|n| (320..=16_384).contains(n)))
         .ok_or_else(|| "two numbers from 320 to 16384, as 1280x800".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_flag_has_an_example_that_is_understood() {
+        let (_, examples) = HELP.split_once("Examples:\n").unwrap();
+        for argument in Arguments::command().get_arguments() {
+            let Some(flag) = argument.get_long() else { continue };
+            let shown = format!(" --{flag} ");
+            assert!(
+                examples.lines().any(|line| format!("{line} ").contains(&shown)),
+                "--{flag} has no example"
+            );
+        }
+        for line in examples.lines() {
+            let words = line.trim().strip_prefix("rilievo view ").unwrap();
+            let words = words.split_once(" >").map_or(words, |(words, _)| words).split(' ');
+            if let Err(e) =
+                Arguments::try_parse_from(std::iter::once("rilievo-viewer").chain(words))
+            {
+                panic!("{line}: {e}");
+            }
+        }
+    }
 }

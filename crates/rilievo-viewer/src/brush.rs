@@ -4,6 +4,8 @@
 //! rectangle it touches is read, changed and written back by [`Relief::edit`], which mends the pyramid
 //! above it; what was there before stays with the stroke, to be taken back.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use rilievo::map::{Axis, HeightMap, HeightMapError, RowMut, Samples, Wrap};
 use rilievo::relief::Relief;
@@ -73,6 +75,13 @@ impl Stroke {
     /// Bytes that are kept to take it back.
     pub fn bytes(&self) -> u64 {
         self.patches.iter().map(|patch| patch.samples.bytes()).sum()
+    }
+
+    /// The rectangles that were changed, first and end column and row, in the order of the changes.
+    pub fn areas(&self) -> impl Iterator<Item = [Range<u32>; 2]> {
+        self.patches.iter().map(|Patch { corner: [x, y], size: [width, height], .. }| {
+            [*x..*x + width, *y..*y + height]
+        })
     }
 
     /// Touches the map.

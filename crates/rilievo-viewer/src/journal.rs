@@ -57,6 +57,10 @@ impl Journal {
                 let since = millis(*since);
                 self.line("done", format_args!(",\"serial\":{serial},\"since_ms\":{since}"));
             }
+            Event::Backend { name, why } => {
+                let why = why.as_ref().map_or("", |why| &why.text);
+                self.line("backend", format_args!(",\"name\":{name:?},\"why\":{why:?}"));
+            }
             Event::Failed(_) => self.line("failed", format_args!("")),
             Event::Heights(_) => {}
         }

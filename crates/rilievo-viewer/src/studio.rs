@@ -4,12 +4,13 @@
 //! change ([`Cache`]); strokes of the brush change the kept heights in place.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec2;
 use rilievo::Counters;
-use rilievo::relief::{Displacement, Method, Relief};
+use rilievo::relief::{CubeRelief, Displacement, Method, Relief};
 use rilievo::surface::Surface;
 use rilievo_io::Limits;
 use rilievo_io::scene::{Cache, KeptMap, LoadOptions, LoadedScene, SceneFile};
@@ -65,12 +66,31 @@ pub enum Painting {
     Swap(u32),
 }
 
+impl Painting {
+    /// The stroke that is painted, or taken back.
+    fn stroke(&self) -> u32 {
+        match self {
+            Self::Touch(touch) => touch.stroke,
+            Self::Swap(stroke) => *stroke,
+        }
+    }
+}
+
+/// A rectangle of a map that was painted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// The map.
+    pub map: KeptMap,
+    /// Columns and rows.
+    pub samples: [Range<u32>; 2],
+}
+
 /// Why something could not be painted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PaintError {
-    /// No map, or one that was resampled.
+    /// No map, or one that was made from another.
     #[error(
-        "nothing that can be painted: take a displaced quad or mesh; a sphere's map is resampled"
+        "nothing that can be painted: take a shape that is displaced by a map as it is, not one matched at seams"
     )]
     NoMap,
     /// The stroke was too long ago.
@@ -94,6 +114,8 @@ pub struct Shown {
     pub tone_map: ToneMap,
     /// What loading had to say, a line each.
     pub notes: Vec<String>,
+    /// For each surface, the map that its own was resampled from, if it was.
+    sources: Vec<Option<Arc<Relief>>>,
 }
 
 /// What was read, and what was painted on it.
@@ -128,11 +150,23 @@ impl Studio {
         };
         let LoadedScene { scene, shape_of, tone_map, notes, .. } = file.load(&options)?;
         let settings = *scene.settings();
-        Ok(Shown { scene, settings, shape_of, tone_map, notes })
+        let source = |surface| sphere_of(surface).and_then(|cube| self.cache.source_of(cube));
+        let sources = scene.world().surfaces().iter().map(source).collect();
+        Ok(Shown { scene, settings, shape_of, tone_map, notes, sources })
+    }
+
+    /// Which map heights are, if they are one that can be painted.
+    pub fn name_of(&self, relief: &Arc<Relief>) -> Option<KeptMap> {
+        self.cache.map_of(relief)
+    }
+
+    /// The heights of a map as they are now.
+    pub fn map_named(&self, map: &KeptMap) -> Option<Arc<Relief>> {
+        self.cache.heights_of(map)
     }
 
     /// Changes heights that `shown` uses, which is given away so that they need not be copied; it has to be
-    /// loaded again.
+    /// loaded again. What was changed is added to `edits`.
     ///
     /// # Errors
     /// The first [`PaintError`]; what it is about is as it was.
@@ -140,15 +174,14 @@ impl Studio {
         &mut self,
         shown: Option<Shown>,
         paintings: &[Painting],
+        edits: &mut Vec<Edit>,
     ) -> Result<(), PaintError> {
         let mut result = Ok(());
         let mut found = Vec::new();
         for painting in paintings {
             let map = match painting {
                 Painting::Touch(touch) => {
-                    let surfaces = shown.as_ref().map(|shown| shown.scene.world().surfaces());
-                    let surface = surfaces.and_then(|all| all.get(touch.surface as usize));
-                    let relief = surface.and_then(relief_of);
+                    let relief = shown.as_ref().and_then(|shown| shown.map_of(touch.surface));
                     relief.and_then(|relief| self.cache.map_of(relief)).ok_or(PaintError::NoMap)
                 }
                 Painting::Swap(stroke) => {
@@ -163,17 +196,24 @@ impl Studio {
         }
         drop(shown);
         for (map, painting) in found {
-            let done = match painting {
-                Painting::Touch(Touch { stroke, dab, .. }) => {
-                    let new = || (map.clone(), Stroke::default());
-                    let (_, kept) = self.strokes.entry(*stroke).or_insert_with(new);
-                    self.cache.edit(&map, |relief| kept.dab(relief, dab))
-                }
-                Painting::Swap(stroke) => self
-                    .strokes
-                    .get_mut(stroke)
-                    .and_then(|(_, kept)| self.cache.edit(&map, |relief| kept.swap(relief))),
+            let number = painting.stroke();
+            let new = || (map.clone(), Stroke::default());
+            let (_, stroke) = match painting {
+                Painting::Touch(_) => self.strokes.entry(number).or_insert_with(new),
+                Painting::Swap(_) => match self.strokes.get_mut(&number) {
+                    Some(known) => known,
+                    None => continue,
+                },
             };
+            let before = stroke.areas().count();
+            let (done, first) = match painting {
+                Painting::Touch(Touch { dab, .. }) => {
+                    (self.cache.edit(&map, |relief| stroke.dab(relief, dab)), before)
+                }
+                Painting::Swap(_) => (self.cache.edit(&map, |relief| stroke.swap(relief)), 0),
+            };
+            let areas = stroke.areas().skip(first);
+            edits.extend(areas.map(|samples| Edit { map: map.clone(), samples }));
             let done = done.ok_or(PaintError::NoMap).and_then(|done| Ok(done?));
             result = result.and(done);
         }
@@ -196,12 +236,17 @@ impl Shown {
     /// The facts that the text need not say.
     pub fn facts(&self) -> Facts {
         let mut displacements: Vec<(usize, Displacement)> = Vec::new();
+        let mut corners = Vec::new();
         for (surface, &shape) in self.scene.world().surfaces().iter().zip(&self.shape_of) {
             let shape = shape as usize;
             if let Some(displacement) = displacement_of(surface)
                 && displacements.iter().all(|(known, _)| *known != shape)
             {
                 displacements.push((shape, displacement));
+                if let Surface::Face(face) = surface {
+                    let [corner, u, v, _] = face.frame();
+                    corners.push((shape, [corner, corner + u, corner + u + v, corner + v]));
+                }
             }
         }
         let surfaces = self.scene.world().surfaces().iter();
@@ -211,18 +256,26 @@ impl Shown {
         Facts {
             walk: walks.next(),
             displacements,
+            corners,
             camera: self.scene.camera().parts(),
             settings: self.settings,
             tone_map: self.tone_map,
         }
     }
 
-    /// The heights that a shape of the file shows, if they are those of a map as it is.
+    /// The map that a shape of the file shows; of a sphere the one that its own was resampled from.
     pub fn relief(&self, shape: usize) -> Option<&Arc<Relief>> {
-        let surfaces = self.scene.world().surfaces().iter().zip(&self.shape_of);
+        let surfaces = (0..).zip(&self.shape_of);
         surfaces
             .filter(|&(_, &of)| of as usize == shape)
-            .find_map(|(surface, _)| relief_of(surface))
+            .find_map(|(surface, _)| self.map_of(surface))
+    }
+
+    /// The map that a surface shows; of a sphere the one that its own was resampled from.
+    fn map_of(&self, surface: u32) -> Option<&Arc<Relief>> {
+        let index = surface as usize;
+        let own = self.scene.world().surfaces().get(index).and_then(relief_of);
+        own.or_else(|| self.sources.get(index)?.as_ref())
     }
 
     /// How often heights occur on the map of a shape.
@@ -238,7 +291,7 @@ impl Shown {
         let mut work = Counters::default();
         let hit = self.scene.world().closest(&ray, &mut work)?;
         let surface = &self.scene.world().surfaces()[hit.surface as usize];
-        let map = relief_of(surface).zip(displacement_of(surface)).map(|(relief, laid)| {
+        let map = self.map_of(hit.surface).zip(displacement_of(surface)).map(|(relief, laid)| {
             let size = [relief.heights().width(), relief.heights().height()];
             (hit.uv * DVec2::from(laid.tile) + DVec2::from(laid.shift), size)
         });
@@ -263,6 +316,20 @@ fn relief_of(surface: &Surface) -> Option<&Arc<Relief>> {
         Surface::Instance(instance) => relief_of(instance.prototype()),
         Surface::Moving(moving) => relief_of(moving.prototype()),
         Surface::Quad(_) | Surface::Sphere(_) | Surface::Mesh(_) | Surface::ReliefSphere(_) => None,
+    }
+}
+
+/// The map of a displaced sphere, resampled.
+fn sphere_of(surface: &Surface) -> Option<&Arc<CubeRelief>> {
+    match surface {
+        Surface::ReliefSphere(sphere) => Some(sphere.relief()),
+        Surface::Instance(instance) => sphere_of(instance.prototype()),
+        Surface::Moving(moving) => sphere_of(moving.prototype()),
+        Surface::Face(_)
+        | Surface::ReliefMesh(_)
+        | Surface::Quad(_)
+        | Surface::Sphere(_)
+        | Surface::Mesh(_) => None,
     }
 }
 

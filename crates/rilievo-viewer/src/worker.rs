@@ -10,101 +10,19 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
-use rilievo::relief::Method;
-use rilievo_io::scene::SceneFile;
-use rilievo_render::{Film, Scene};
+use rilievo_render::Film;
 
-use crate::backend::Backend;
-use crate::histogram::Histogram;
+use crate::backend::Renderer;
 use crate::passes::{Frame, Pass, passes};
-use crate::session::{Change, Facts, Look};
+use crate::session::Change;
 use crate::studio::{Painting, Pick, Shown, Studio};
+
+mod job;
+
+pub use job::{Event, Job, Side};
 
 /// How often a picture on its way is shown.
 const PAUSE: Duration = Duration::from_millis(120);
-
-/// What is shown on one side.
-#[derive(Clone, Debug)]
-pub struct Side {
-    /// The scene.
-    pub file: SceneFile,
-    /// Walks every relief in place of its own method.
-    pub method: Option<Method>,
-    /// What has to be made anew.
-    pub change: Change,
-}
-
-/// What is to be shown.
-#[derive(Clone, Debug)]
-pub struct Job {
-    /// Counts up; events tell which job they are of.
-    pub serial: u64,
-    /// What is edited, and what it is compared with.
-    pub sides: [Option<Side>; 2],
-    /// What of the films is shown.
-    pub look: Look,
-    /// Pixels of the picture.
-    pub size: [u32; 2],
-    /// The shape whose histogram is shown.
-    pub shape: usize,
-    /// What is painted first, in order.
-    pub paintings: Vec<Painting>,
-}
-
-impl Job {
-    /// This job in place of one that was not begun: nothing that one asked for is lost.
-    #[must_use]
-    pub fn merge(mut self, older: Self) -> Self {
-        for (side, old) in self.sides.iter_mut().zip(older.sides) {
-            if let (Some(side), Some(old)) = (side, old) {
-                side.change = side.change.max(old.change);
-            }
-        }
-        let newer = std::mem::replace(&mut self.paintings, older.paintings);
-        self.paintings.extend(newer);
-        self
-    }
-}
-
-/// What happened, in order.
-#[derive(Clone, Debug)]
-pub enum Event {
-    /// A side was loaded.
-    Loaded {
-        /// The job.
-        serial: u64,
-        /// 0 or 1.
-        side: usize,
-        /// What its text need not say.
-        facts: Box<Facts>,
-        /// What loading had to say.
-        notes: Vec<String>,
-        /// How long it took.
-        took: Duration,
-    },
-    /// The heights of the shape of the job.
-    Heights(Option<Histogram>),
-    /// A pass is done and its picture is there.
-    Pass {
-        /// The job.
-        serial: u64,
-        /// 0 or 1.
-        side: usize,
-        /// The factor of the pass.
-        factor: u32,
-        /// Since the job was posted.
-        since: Duration,
-    },
-    /// Nothing is left to do.
-    Done {
-        /// The job.
-        serial: u64,
-        /// Since the job was posted.
-        since: Duration,
-    },
-    /// A side could not be loaded, or rendered, or the map not painted.
-    Failed(String),
-}
 
 /// What came out.
 #[derive(Debug, Default)]
@@ -131,6 +49,8 @@ struct Shared {
 struct Inbox {
     job: Option<(Job, Instant)>,
     quit: bool,
+    /// A GPU may be ready for what it was not before.
+    woken: bool,
 }
 
 /// The thread, as the window sees it. It ends when this is dropped.
@@ -140,10 +60,11 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread with what was read already; `notify` is told of everything new, from the thread.
+    /// Starts the thread with what was read already and so many threads of the CPU (0: one per processor);
+    /// `notify` is told of everything new, from the thread.
     pub fn start(
         studio: Studio,
-        backend: Backend,
+        threads: usize,
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         let shared = Arc::new(Shared {
@@ -155,7 +76,11 @@ impl Worker {
         });
         let theirs = Arc::clone(&shared);
         let thread = std::thread::spawn(move || {
-            Labour { shared: theirs, studio, backend, sides: [None, None] }.run();
+            let waker = Arc::downgrade(&theirs);
+            let wake = move || waker.upgrade().iter().for_each(|shared| shared.wake());
+            let renderer = Renderer::new(threads, Some(Arc::new(wake)));
+            let backend = String::new();
+            Labour { shared: theirs, studio, renderer, backend, sides: [None, None] }.run();
         });
         Self { shared, thread: Some(thread) }
     }
@@ -206,7 +131,9 @@ impl Drop for Worker {
 struct Labour {
     shared: Arc<Shared>,
     studio: Studio,
-    backend: Backend,
+    renderer: Renderer,
+    /// What renders, as it was told last.
+    backend: String,
     sides: [Option<Arc<Shown>>; 2],
 }
 
@@ -218,21 +145,52 @@ impl Labour {
     }
 
     /// The next job; none when it is time to go.
-    fn wait(&self) -> Option<(Job, Instant)> {
-        let mut inbox = lock(&self.shared.inbox);
+    fn wait(&mut self) -> Option<(Job, Instant)> {
+        let shared = Arc::clone(&self.shared);
+        let mut inbox = lock(&shared.inbox);
         loop {
             if inbox.quit {
                 return None;
             }
             if let Some(job) = inbox.job.take() {
-                self.shared.cancel.store(false, Ordering::Relaxed);
+                inbox.woken = false;
+                shared.cancel.store(false, Ordering::Relaxed);
                 return Some(job);
             }
-            inbox = self.shared.bell.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+            if std::mem::take(&mut inbox.woken) {
+                // The picture is done; the next one is the GPU's.
+                drop(inbox);
+                self.prepare();
+                inbox = lock(&shared.inbox);
+                continue;
+            }
+            inbox = shared.bell.wait(inbox).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
+    /// Brings what is shown to the GPU.
+    fn prepare(&mut self) {
+        for (side, shown) in self.sides.iter().enumerate() {
+            if let Some(shown) = shown {
+                self.renderer.prepare(side, &shown.scene);
+            }
+        }
+        self.tell_backend();
+    }
+
+    /// Whether what was stopped goes on: nothing else is wanted, but a GPU may take part in it now.
+    fn goes_on(&self) -> bool {
+        let mut inbox = lock(&self.shared.inbox);
+        let goes_on = inbox.woken && inbox.job.is_none() && !inbox.quit;
+        if goes_on {
+            inbox.woken = false;
+            self.shared.cancel.store(false, Ordering::Relaxed);
+        }
+        goes_on
+    }
+
     fn work(&mut self, job: &Job, since: Instant) {
+        self.renderer.choose(job.backend);
         let painted = !job.paintings.is_empty();
         if painted {
             self.paint(&job.paintings);
@@ -240,6 +198,7 @@ impl Labour {
         for side in 0..2 {
             let Some(wanted) = &job.sides[side] else {
                 self.sides[side] = None;
+                self.renderer.forget(side);
                 self.tell(|output| output.frames[side] = None);
                 continue;
             };
@@ -252,8 +211,10 @@ impl Labour {
         };
         for pass in passes(job.size, &settings, job.look) {
             for side in 0..2 {
-                if self.sides[side].is_some() && !self.pass(side, &pass, job, since) {
-                    return;
+                while self.sides[side].is_some() && !self.pass(side, &pass, job, since) {
+                    if !self.goes_on() {
+                        return;
+                    }
                 }
             }
         }
@@ -265,7 +226,11 @@ impl Labour {
         self.tell(|output| output.shown = None);
         self.sides[1] = None;
         let shown = self.sides[0].take().and_then(Arc::into_inner);
-        if let Err(e) = self.studio.paint(shown, paintings) {
+        self.renderer.let_go(&self.studio);
+        let mut edits = Vec::new();
+        let done = self.studio.paint(shown, paintings, &mut edits);
+        self.renderer.take_back(&self.studio, &edits);
+        if let Err(e) = done {
             self.event(Event::Failed(e.to_string()));
         }
     }
@@ -278,6 +243,7 @@ impl Labour {
                 let notes = std::mem::take(&mut shown.notes);
                 let heights = (side == 0).then(|| shown.histogram(job.shape));
                 self.sides[side] = Some(Arc::new(shown));
+                self.renderer.loaded(side);
                 let took = begin.elapsed();
                 self.event(Event::Loaded { serial: job.serial, side, facts, notes, took });
                 if let Some(heights) = heights {
@@ -311,7 +277,7 @@ impl Labour {
         // The first pass lies over nothing: what is there shows something else.
         let coarser = coarser.filter(|_| pass.factor == 1);
         let last_shown = Mutex::new(Instant::now());
-        let shared = self.shared.as_ref();
+        let shared = Arc::clone(&self.shared);
         let watch = |film: &Film| {
             let (Some(coarser), mut last) = (&coarser, lock(&last_shown)) else { return };
             if last.elapsed() > PAUSE && !shared.cancel.load(Ordering::Relaxed) {
@@ -321,12 +287,16 @@ impl Labour {
                 shared.tell(|output| output.frames[side] = Some(frame));
             }
         };
-        let film = self.backend.render(&shown.scene, pass, &watch, &self.shared.cancel);
+        let scene = (side, &shown.scene);
+        let film = self.renderer.render(scene, pass, &watch, &shared.cancel);
+        if side == 0 {
+            self.tell_backend();
+        }
         if self.shared.cancel.load(Ordering::Relaxed) {
             return false;
         }
         match film {
-            Ok(film) => {
+            Ok((film, _)) => {
                 let frame = Arc::new(Frame::of(&film, job.look, pass));
                 self.tell(|output| output.frames[side] = Some(frame));
                 let (serial, factor) = (job.serial, pass.factor);
@@ -340,6 +310,15 @@ impl Labour {
         }
     }
 
+    /// Tells what renders, if that has changed.
+    fn tell_backend(&mut self) {
+        let (name, why) = (self.renderer.name(0).to_owned(), self.renderer.take_why());
+        if name != self.backend || why.is_some() {
+            self.backend.clone_from(&name);
+            self.event(Event::Backend { name, why });
+        }
+    }
+
     fn event(&self, event: Event) {
         self.tell(|output| output.events.push(event));
     }
@@ -350,6 +329,13 @@ impl Labour {
 }
 
 impl Shared {
+    /// A GPU may be ready for what it was not before.
+    fn wake(&self) {
+        lock(&self.inbox).woken = true;
+        self.cancel.store(true, Ordering::Relaxed);
+        self.bell.notify_one();
+    }
+
     fn tell(&self, change: impl FnOnce(&mut Output)) {
         change(&mut lock(&self.output));
         (self.notify)();
@@ -357,10 +343,10 @@ impl Shared {
 }
 
 /// The scene with the camera of the text at the resolution of a pass, and its settings.
-fn aimed(shown: Shown, wanted: &Side, pass: &Pass) -> Option<Shown> {
+fn aimed(mut shown: Shown, wanted: &Side, pass: &Pass) -> Option<Shown> {
     let camera = wanted.file.camera().ok()?.with_resolution(pass.size).ok()?;
-    let scene: Scene = shown.scene.with_camera(camera).with_settings(pass.settings).ok()?;
-    Some(Shown { scene, ..shown })
+    shown.scene = shown.scene.with_camera(camera).with_settings(pass.settings).ok()?;
+    Some(shown)
 }
 
 /// A poisoned lock still guards what was put there whole.

@@ -15,7 +15,7 @@ const GRAPH: &[(&str, &[&str])] = &[
     // Its tests trace the scenes of the conformance suite and draw those of the gallery.
     ("rilievo-gpu", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),
     ("rilievo-cli", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
-    ("rilievo-viewer", &["rilievo", "rilievo-render", "rilievo-io"]),
+    ("rilievo-viewer", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-tests", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-cli"]),
     ("rilievo-bench", &["rilievo", "rilievo-io", "rilievo-gpu"]),
     ("rilievo-fuzz", &["rilievo", "rilievo-render", "rilievo-io", "rilievo-tests"]),

@@ -160,6 +160,20 @@ impl Cache {
         Some(KeptMap(key.clone()))
     }
 
+    /// The heights of a map, if they are still kept.
+    pub fn heights_of(&self, map: &KeptMap) -> Option<Arc<Relief>> {
+        let things = self.reliefs.things.borrow();
+        things.get(&map.0).map(|(_, relief)| Arc::clone(relief))
+    }
+
+    /// The heights of the map that a cube around a sphere was resampled from, if they are still kept.
+    pub fn source_of(&self, cube: &Arc<CubeRelief>) -> Option<Arc<Relief>> {
+        let cubes = self.cubes.things.borrow();
+        let mut cubes = cubes.iter();
+        let ((key, _), _) = cubes.find(|(_, (_, (kept, _)))| Arc::ptr_eq(kept, cube))?;
+        self.heights_of(&KeptMap(key.clone()))
+    }
+
     /// Changes the heights of a map, in place if no scene holds them; otherwise heights and pyramid are
     /// copied first. What `change` gives back, or none if they are gone.
     pub fn edit<T>(&self, map: &KeptMap, change: impl FnOnce(&mut Relief) -> T) -> Option<T> {

@@ -43,6 +43,21 @@ impl Needs {
     }
 }
 
+/// The map that a cube is resampled from.
+enum Source {
+    Kept(Arc<Relief>),
+    Read(HeightMap),
+}
+
+impl Source {
+    fn heights(&self) -> &HeightMap {
+        match self {
+            Self::Kept(relief) => relief.heights(),
+            Self::Read(map) => map,
+        }
+    }
+}
+
 /// Reads or makes the map of `entry` and lays it on the faces around a sphere, with the distance maps
 /// that it needs; also measures by how much that changes it, if asked.
 pub(super) fn load_cube(
@@ -61,19 +76,24 @@ pub(super) fn load_cube(
     if let Some((cube, size)) = cache.and_then(|cache| cache.cube(&kept, made_as, kinds)) {
         return Ok((cube, size, None));
     }
-    let map = heights(file, entry, options)?;
+    let source = match cache {
+        // The next tiling wants the map as it is, and so does a brush.
+        Some(_) => Source::Kept(load(file, (name, entry), &Needs::default(), options)?),
+        None => Source::Read(heights(file, entry, options)?),
+    };
+    let map = source.heights();
     let place = Place::Text(crate::Excerpt::new(&file.text, tiling.at.clone()));
     limits.check(
         &file.path,
         place,
         "the map of a sphere",
-        &[CubeHeights::predicted_bytes(&map, tiling.value)],
+        &[CubeHeights::predicted_bytes(map, tiling.value)],
     )?;
-    let cube = CubeHeights::resample(&map, tiling.value)
+    let cube = CubeHeights::resample(map, tiling.value)
         .map_err(|e| fault(file, &tiling.at, "displacement", e.to_string(), ""))?;
-    let error = options.resampling_error.then(|| cube.resampling_error(&map));
+    let error = options.resampling_error.then(|| cube.resampling_error(map));
     let size = [map.width(), map.height()];
-    drop(map);
+    drop(source);
     let mut relief = CubeRelief::with_layout(cube, layout);
     if let (Some(name), false) = (&entry.distance.file, needs.kinds.is_empty()) {
         let found = "a map baked for faces";

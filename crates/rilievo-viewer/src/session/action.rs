@@ -17,6 +17,8 @@ pub enum Action {
     Zero(f64),
     /// Repetitions along u and v.
     Tile([f64; 2]),
+    /// By how much the selected terrain is higher than in nature.
+    Exaggeration(f64),
     /// The roughness of its material.
     Roughness(f64),
     /// The first sun, added if there is none.

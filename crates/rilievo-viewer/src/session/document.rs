@@ -10,7 +10,8 @@ use rilievo_io::scene::SceneFile;
 use rilievo_render::CameraParts;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-use super::sun::Sun;
+mod paths;
+mod sun;
 
 /// The name of a material that is made here.
 const OWN: &str = "surface";
@@ -64,11 +65,6 @@ impl Document {
         &self.path
     }
 
-    /// Names the file anew, after it was saved.
-    pub fn set_path(&mut self, path: PathBuf) {
-        self.path = path;
-    }
-
     /// Parsed and checked.
     ///
     /// # Errors
@@ -94,7 +90,16 @@ impl Document {
     }
 
     fn shapes(&self) -> Vec<&dyn TableLike> {
-        match self.toml.get("shapes") {
+        self.list("shapes")
+    }
+
+    fn shape_mut(&mut self, index: usize) -> Option<&mut dyn TableLike> {
+        self.entry_mut("shapes", index)
+    }
+
+    /// The entries of a list of tables, however it is written.
+    fn list(&self, name: &str) -> Vec<&dyn TableLike> {
+        match self.toml.get(name) {
             Some(Item::ArrayOfTables(all)) => all.iter().map(|t| t as &dyn TableLike).collect(),
             Some(Item::Value(Value::Array(all))) => {
                 all.iter().filter_map(|v| Some(v.as_inline_table()? as &dyn TableLike)).collect()
@@ -103,8 +108,8 @@ impl Document {
         }
     }
 
-    fn shape_mut(&mut self, index: usize) -> Option<&mut dyn TableLike> {
-        match self.toml.get_mut("shapes")? {
+    fn entry_mut(&mut self, list: &str, index: usize) -> Option<&mut dyn TableLike> {
+        match self.toml.get_mut(list)? {
             Item::ArrayOfTables(all) => Some(all.get_mut(index)? as &mut dyn TableLike),
             Item::Value(Value::Array(all)) => {
                 Some(all.get_mut(index)?.as_inline_table_mut()? as &mut dyn TableLike)
@@ -235,37 +240,40 @@ impl Document {
         }
     }
 
+    /// By how much a terrain is higher than in nature.
+    pub fn exaggeration(&self, shape: usize) -> f64 {
+        let written = self.shapes().get(shape).and_then(|shape| shape.get("exaggeration"));
+        written.and_then(number).unwrap_or(1.0)
+    }
+
+    /// Writes by how much a terrain is higher than in nature.
+    pub fn set_exaggeration(&mut self, shape: usize, factor: f64) {
+        if let Some(shape) = self.shape_mut(shape) {
+            put(shape, "exaggeration", factor.into());
+        }
+    }
+
+    /// Writes a terrain as the displaced quad that it is, with these corners.
+    pub fn terrain_to_quad(&mut self, shape: usize, corners: [DVec3; 4]) {
+        let Some(table) = self.shape_mut(shape) else { return };
+        let map = table.remove("map").and_then(|map| map.into_value().ok());
+        for key in ["center", "unit", "exaggeration", "cell", "zero"] {
+            table.remove(key);
+        }
+        put(table, "type", "quad".into());
+        let corners = corners.map(|c| array(c.to_array()));
+        put(table, "corners", corners.into_iter().collect::<Array>().into());
+        let mut displacement = InlineTable::new();
+        displacement.extend(map.map(|map| ("map", map)));
+        displacement.fmt();
+        put(table, "displacement", displacement.into());
+    }
+
     /// The corners of a quad.
     pub fn corners(&self, shape: usize) -> Option<[DVec3; 4]> {
         let corners = self.shapes().get(shape)?.get("corners")?.as_array()?;
         let all: Option<Vec<_>> = corners.iter().map(point_of).collect();
         all?.try_into().ok()
-    }
-
-    /// The first sun among the lights.
-    pub fn sun(&self) -> Option<Sun> {
-        let lights = self.toml.get("lights")?.as_array_of_tables()?;
-        let table = lights.iter().find(|t| is_sun(t))?;
-        let point = |key: &str| point(table.get(key)?);
-        let angle = table.get("angle").and_then(number).unwrap_or(0.0);
-        Some(Sun::along(point("direction")?, point("irradiance")?, angle))
-    }
-
-    /// Writes the first sun, or adds one.
-    pub fn set_sun(&mut self, sun: &Sun) {
-        let lights = self.toml.entry("lights");
-        let lights = lights.or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
-        let Some(lights) = lights.as_array_of_tables_mut() else { return };
-        if !lights.iter().any(is_sun) {
-            let mut table = Table::new();
-            table.insert("type", toml_edit::value("sun"));
-            lights.push(table);
-        }
-        if let Some(table) = lights.iter_mut().find(|t| is_sun(t)) {
-            put(table, "direction", array(sun.direction().to_array()));
-            put(table, "irradiance", array(sun.irradiance.to_array()));
-            put(table, "angle", sun.angle.into());
-        }
     }
 
     /// Writes where the camera is and where it looks.
@@ -333,10 +341,6 @@ fn put(table: &mut dyn TableLike, key: &str, value: Value) {
     } else {
         table.insert(key, Item::Value(value));
     }
-}
-
-fn is_sun(table: &Table) -> bool {
-    table.get("type").and_then(Item::as_str) == Some("sun")
 }
 
 fn number(item: &Item) -> Option<f64> {

@@ -34,10 +34,14 @@ pub struct ShownShape {
     pub index: usize,
     /// Its type and number.
     pub name: String,
+    /// Whether it is a terrain, which has a height of its own.
+    pub terrain: bool,
     /// The map it names.
     pub map: String,
     /// How the map is laid on it, what the scene does not say filled in.
     pub displacement: Displacement,
+    /// Its corners, once it is loaded, if it is a parallelogram.
+    pub corners: Option<[DVec3; 4]>,
 }
 
 /// What a loaded scene says where its text is silent.
@@ -45,6 +49,8 @@ pub struct ShownShape {
 pub struct Facts {
     /// How the map of each displaced shape is laid, by the shape's place in the file.
     pub displacements: Vec<(usize, Displacement)>,
+    /// The corners of those that are parallelograms, terrain among them.
+    pub corners: Vec<(usize, [DVec3; 4])>,
     /// How the first of them is walked, and how the bounds of its map are stored, if it shows a map as it
     /// is.
     pub walk: Option<(Method, Layout)>,
@@ -147,6 +153,8 @@ impl Session {
             if let Some((_, displacement)) = fact {
                 shape.displacement = *displacement;
             }
+            let fact = facts.corners.iter().find(|(index, _)| *index == shape.index);
+            shape.corners = fact.map(|(_, corners)| *corners);
         }
         (self.camera, self.settings, self.tone_map) =
             (facts.camera, facts.settings, facts.tone_map);
@@ -182,6 +190,13 @@ impl Session {
             Action::Tile(tile) => {
                 self.lay(DisplacementKey::Tile, |d| d.tile = tile);
                 self.document.tile_own_texture(tile);
+            }
+            Action::Exaggeration(factor) if !factor.is_finite() || factor <= 0.0 => {
+                return Change::None;
+            }
+            Action::Exaggeration(factor) => {
+                let Some(shape) = self.shape() else { return Change::None };
+                self.document.set_exaggeration(shape.index, factor);
             }
             Action::Roughness(roughness) => {
                 let Some(shape) = self.shape() else { return Change::None };
@@ -288,7 +303,9 @@ impl Session {
 
     fn after(&mut self, step: &Step) {
         if let Step::Text(document) = step {
-            self.document = document.as_ref().clone();
+            // A scene that was saved elsewhere since stays there.
+            let here = document.moved(self.document.path());
+            self.document = here.unwrap_or_else(|| document.as_ref().clone());
             self.document.set_camera(&self.camera);
             self.find_shapes();
         }
@@ -304,7 +321,8 @@ impl Session {
     }
 
     /// Lets the shapes that show the map of the selected one show the file `file`, which holds their
-    /// painted map, with what was assumed of the old one written down.
+    /// painted map, with what was assumed of the old one written down. A terrain, whose file says more than a map can,
+    /// becomes the displaced quad that it is.
     pub fn take_map(&mut self, file: &Path, meaning: Meaning) {
         let Some(shape) = self.shape() else { return };
         let name = match shape.map.trim_end_matches('/') {
@@ -314,6 +332,10 @@ impl Session {
         let file = file.to_string_lossy();
         let map = shape.map.clone();
         for shape in self.shapes.iter_mut().filter(|shape| shape.map == map) {
+            if let (true, Some(corners)) = (shape.terrain, shape.corners) {
+                self.document.terrain_to_quad(shape.index, corners);
+                shape.terrain = false;
+            }
             let Displacement { scale, zero, .. } = shape.displacement;
             let (scale, zero) = (scale * meaning.span, (zero - meaning.low) / meaning.span);
             if map.ends_with('/') {
@@ -326,9 +348,10 @@ impl Session {
         }
     }
 
-    /// The text was saved as this file.
-    pub fn saved(&mut self, path: PathBuf) {
-        self.document.set_path(path);
+    /// The text was saved as this.
+    pub fn saved(&mut self, document: Document) {
+        self.document = document;
+        self.find_shapes();
         self.bare = false;
         self.unsaved = false;
     }
@@ -340,7 +363,10 @@ impl Session {
             .map(|(index, kind, map)| {
                 let known = old.iter().find(|shape| shape.index == index);
                 let displacement = known.map(|shape| shape.displacement).unwrap_or_default();
-                ShownShape { index, name: format!("{kind} {}", index + 1), map, displacement }
+                let terrain = kind == "terrain";
+                let name = format!("{kind} {}", index + 1);
+                let corners = known.and_then(|shape| shape.corners);
+                ShownShape { index, name, terrain, map, displacement, corners }
             })
             .collect();
         self.selected = self.selected.min(self.shapes.len().saturating_sub(1));

@@ -139,3 +139,80 @@ fn presets_lay_the_map_of_a_bare_scene_on_other_shapes() {
     assert_eq!(session.apply(Action::Preset(Preset::Mesh)), Change::Scene);
     session.document().parse().unwrap();
 }
+
+#[test]
+fn a_sun_is_edited_however_lights_are_written() {
+    let sun = Sun { azimuth: 30.0, elevation: 45.0, ..Sun::default() };
+    let inline = "lights = [{ type = \"point\", position = [0, 0, 3], intensity = [1, 1, 1] }, \
+                  { type = \"sun\", direction = [0, 0, -1], irradiance = [2, 2, 2] }] # lit\n";
+    let without = "lights = [{ type = \"point\", position = [0, 0, 3], intensity = [1, 1, 1] }]\n";
+    for lights in [inline, without, "lights = []\n", ""] {
+        let text = format!("{lights}{SCENE}");
+        let file = SceneFile::parse(&text, Path::new("dir/scene.toml")).unwrap();
+        let mut session = Session::new(&file, false, None);
+        assert_eq!(session.document().sun().is_some(), lights.contains("sun"), "{lights}");
+        assert_eq!(session.apply(Action::Sun(sun)), Change::Scene);
+        let now = session.document().sun().unwrap();
+        assert!(
+            (now.azimuth - 30.0).abs() < 1e-9 && (now.elevation - 45.0).abs() < 1e-9,
+            "{now:?}"
+        );
+        let text = session.document().text();
+        assert_eq!(text.matches("\"sun\"").count(), 1, "{text}");
+        assert_eq!(text.matches("\"point\"").count(), lights.matches("\"point\"").count());
+        assert_eq!(text.contains("# lit"), lights.contains("# lit"));
+        session.document().parse().unwrap();
+    }
+}
+
+#[test]
+fn the_height_of_a_terrain_is_a_key_of_its_own() {
+    let text = format!(
+        "{SCENE}\n[[shapes]]\ntype = \"terrain\"\nmap = \"dem\"\n[maps.dem]\nfile = \"dem.tif\"\n"
+    );
+    let file = SceneFile::parse(&text, Path::new("dir/scene.toml")).unwrap();
+    let mut session = Session::new(&file, false, None);
+    session.selected = 2;
+    assert!(session.shape().unwrap().terrain);
+    let index = session.shape().unwrap().index;
+    assert_eq!(session.document().exaggeration(index), 1.0);
+    assert_eq!(session.apply(Action::Exaggeration(0.0)), Change::None);
+    assert_eq!(session.apply(Action::Exaggeration(2.5)), Change::Scene);
+    assert_eq!(session.document().exaggeration(index), 2.5);
+    session.document().parse().unwrap();
+}
+
+#[test]
+fn a_scene_that_moves_names_its_files_as_seen_from_its_new_folder() {
+    // A map named as a file is, and a folder of a texture set named as a map is.
+    let text = SCENE
+        .replace("procedural = \"gaussian\"\nsize = [32, 32]", "file = \"a/m.png\" # the file")
+        + "[[shapes]]\ntype = \"mesh\"\nfile = \"/models/spot.obj\"\ndisplacement = { map = \"m/\", scale = 0.1 }\n\
+           [environment]\nfile = \"../sky.exr\"\n";
+    let file = SceneFile::parse(&text, Path::new("/house/dir/scene.toml")).unwrap();
+    let document = Document::of(&file);
+    let moved = document.moved(Path::new("/house/other/deep/new.toml")).unwrap();
+    let text = moved.text();
+    for expected in [
+        "file = \"../../dir/a/m.png\" # the file",
+        "file = \"/models/spot.obj\"",
+        "map = \"../../dir/m/\"",
+        "file = \"../../sky.exr\"",
+        "map = \"m\"",
+    ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    assert_eq!(moved.path(), Path::new("/house/other/deep/new.toml"));
+    // In its folder nothing changes, whatever the name; and back again it is what it was.
+    assert_eq!(document.moved(Path::new("/house/dir/./b.toml")).unwrap().text(), document.text());
+    let back = moved.moved(Path::new("/house/dir/scene.toml")).unwrap();
+    assert_eq!(back.text(), document.text());
+    // What was done before it moved can be taken back where it is.
+    let mut session = Session::new(&file, false, None);
+    session.apply(Action::Exposure(1.0));
+    session.saved(session.document().moved(Path::new("/house/other/deep/new.toml")).unwrap());
+    assert!(!session.unsaved);
+    session.undo();
+    assert_eq!(session.document().path(), Path::new("/house/other/deep/new.toml"));
+    assert!(session.document().text().contains("\"../../dir/a/m.png\""));
+}

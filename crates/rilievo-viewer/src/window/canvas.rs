@@ -6,10 +6,11 @@ use rilievo_viewer::brush::Dab;
 use rilievo_viewer::navigation;
 use rilievo_viewer::passes::fitted;
 use rilievo_viewer::session::{Action, Change};
-use rilievo_viewer::studio::{Painting, Touch};
+use rilievo_viewer::studio::{PaintError, Painting, Touch};
 
+use super::hand::{Hand, Other};
 use super::picture::draw_wipe;
-use super::state::{Hand, Other, Viewer};
+use super::state::Viewer;
 
 /// How far the mouse turns the camera, radian a point.
 const TURN: f64 = 0.007;
@@ -174,8 +175,7 @@ fn paint(viewer: &mut Viewer, ui: &Ui, response: &eframe::egui::Response, at: Op
     let Some(pick) = viewer.worker.pick(at) else { return };
     let Some((map, _)) = pick.map else {
         if !viewer.brush.down {
-            let why = "nothing that can be painted: take a displaced quad or mesh; a sphere's map is resampled";
-            viewer.message = Some(why.to_owned());
+            viewer.message = Some(PaintError::NoMap.to_string());
         }
         return;
     };

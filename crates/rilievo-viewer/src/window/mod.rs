@@ -1,6 +1,7 @@
 //! The window: panels at the left, the picture beside them, a line of text below.
 
 mod canvas;
+mod hand;
 mod panels;
 mod picture;
 mod saving;

@@ -6,12 +6,14 @@ use eframe::egui::{
 };
 use rilievo::map::Layout;
 use rilievo::relief::Method;
+use rilievo_gpu::Backend;
 use rilievo_render::film::tonemap::View;
 use rilievo_render::{Aov, Integrator};
 use rilievo_viewer::brush::Tool;
-use rilievo_viewer::session::{Action, Look, Preset, Sun};
+use rilievo_viewer::session::{Action, Change, Look, Preset, Sun};
 
-use super::state::{Hand, Other, Viewer};
+use super::hand::{Hand, Other};
+use super::state::Viewer;
 
 /// Everything at the left.
 pub fn controls(viewer: &mut Viewer, ui: &mut Ui) {
@@ -40,18 +42,29 @@ pub fn controls(viewer: &mut Viewer, ui: &mut Ui) {
     }
     section(ui, "Heights", true, |ui| heights(viewer, ui));
     section(ui, "Under the mouse", viewer.pick.is_some(), |ui| picked(viewer, ui));
-    section(ui, "Save", false, |ui| viewer.save_panel(ui));
+    let place = header(ui, "Save", false, |ui| viewer.save_panel(ui));
+    viewer.journal.widget("Save", place, ui.ctx().pixels_per_point());
     section(ui, "Mouse and keys", false, keys);
 }
 
 fn section(ui: &mut Ui, name: &str, open: bool, add: impl FnOnce(&mut Ui)) {
-    CollapsingHeader::new(RichText::new(name).strong()).default_open(open).show(ui, add);
+    header(ui, name, open, add);
+}
+
+/// A section; where its name stands.
+fn header(ui: &mut Ui, name: &str, open: bool, add: impl FnOnce(&mut Ui)) -> Rect {
+    let header = CollapsingHeader::new(RichText::new(name).strong()).default_open(open);
+    header.show(ui, add).header_response.rect
 }
 
 /// The line below the picture.
 pub fn status(viewer: &Viewer, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label(format!("{} x {}  {}", viewer.size[0], viewer.size[1], viewer.progress));
+        let renders = ui.weak(&viewer.renders);
+        if let Some(why) = &viewer.why {
+            renders.on_hover_text(&why.text);
+        }
         if let Some(message) = &viewer.message {
             let first = message.lines().next().unwrap_or_default();
             ui.colored_label(Color32::from_rgb(240, 120, 90), first).on_hover_text(message);
@@ -116,13 +129,20 @@ fn relief(viewer: &mut Viewer, ui: &mut Ui) {
             viewer.histogram_anew();
         }
     }
-    let laid = shape.displacement;
-    let most = viewer.deepest();
-    slider(viewer, ui, ("depth", laid.scale), ([-most, most], most / 1000.0, ""), Action::Depth);
-    slider(viewer, ui, ("zero", laid.zero), ([0.0, 1.0], 0.0, ""), Action::Zero);
-    let ratio = laid.tile[1] / laid.tile[0];
-    let both = |u| Action::Tile([u, ratio * u]);
-    slider(viewer, ui, ("tile", laid.tile[0]), ([0.25, 8.0], 0.25, ""), both);
+    if shape.terrain {
+        let factor = viewer.session.document().exaggeration(shape.index);
+        let ends = ([0.1, 10.0], 0.1, "");
+        slider(viewer, ui, ("exaggeration", factor), ends, Action::Exaggeration);
+    } else {
+        let laid = shape.displacement;
+        let most = viewer.deepest();
+        let ends = ([-most, most], most / 1000.0, "");
+        slider(viewer, ui, ("depth", laid.scale), ends, Action::Depth);
+        slider(viewer, ui, ("zero", laid.zero), ([0.0, 1.0], 0.0, ""), Action::Zero);
+        let ratio = laid.tile[1] / laid.tile[0];
+        let both = |u| Action::Tile([u, ratio * u]);
+        slider(viewer, ui, ("tile", laid.tile[0]), ([0.25, 8.0], 0.25, ""), both);
+    }
     let material = viewer.session.document().material(shape.index);
     let rough = material.map_or(0.3, |name| viewer.session.document().roughness(&name));
     slider(viewer, ui, ("roughness", rough), ([0.0, 1.0], 0.0, ""), Action::Roughness);
@@ -171,6 +191,10 @@ fn render(viewer: &mut Viewer, ui: &mut Ui) {
     if let Some(layout) = choose(ui, "layout", viewer.session.layout, layouts, Layout::name) {
         viewer.act(Action::Layout(layout));
     }
+    if let Some(backend) = choose(ui, "backend", viewer.backend, Backend::ALL, Backend::name) {
+        viewer.backend = backend;
+        viewer.need(Change::Rendered);
+    }
     let mut samples = settings.samples;
     let drag = DragValue::new(&mut samples).range(1..=65_536).suffix(" samples");
     if ui.add(drag).changed() {
@@ -214,7 +238,7 @@ fn compare(viewer: &mut Viewer, ui: &mut Ui) {
     });
     if let Some(other) = chosen {
         viewer.other = other;
-        viewer.need(rilievo_viewer::session::Change::Scene);
+        viewer.need(Change::Scene);
     }
     ui.weak("Drag the white line. Another file: --compare.");
 }
@@ -232,7 +256,7 @@ fn brush(viewer: &mut Viewer, ui: &mut Ui) {
 
 fn heights(viewer: &Viewer, ui: &mut Ui) {
     let Some(histogram) = &viewer.histogram else {
-        ui.weak("of displaced quads and meshes");
+        ui.weak("of displaced shapes");
         return;
     };
     let (rect, _) = ui.allocate_exact_size(Vec2::new(250.0, 60.0), Sense::hover());
@@ -307,6 +331,7 @@ fn keys(ui: &mut Ui) {
             ("1 2 3", "Move, Pick, Paint"),
             ("Ctrl+Z, Ctrl+Y", "undo, redo"),
             ("Ctrl+S", "save the scene"),
+            ("Ctrl+Q", "close the window"),
         ] {
             ui.weak(what);
             ui.label(does);

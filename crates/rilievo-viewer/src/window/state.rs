@@ -3,18 +3,18 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Key, Modifiers, Panel, ScrollArea};
-use rilievo::relief::Method;
+use eframe::egui::{self, CentralPanel, Key, Modifiers, Panel, ScrollArea, ViewportCommand};
+use rilievo_gpu::Backend;
 use rilievo_io::Limits;
 use rilievo_io::scene::SceneFile;
-use rilievo_viewer::backend::Backend;
-use rilievo_viewer::brush::Tool;
+use rilievo_viewer::backend::Why;
 use rilievo_viewer::histogram::Histogram;
-use rilievo_viewer::session::{Action, Change, Document, Session, Step};
+use rilievo_viewer::session::{Action, Change, Session, Step};
 use rilievo_viewer::studio::{Painting, Pick};
 use rilievo_viewer::watch::{Changed, Watch};
 use rilievo_viewer::worker::{Event, Job, Side, Worker};
 
+use super::hand::{Brush, Hand, Other};
 use super::picture::Uploaded;
 use super::saving::Saving;
 use super::{Opened, canvas, panels};
@@ -24,48 +24,6 @@ use crate::journal::Journal;
 /// How often files are looked at.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// What the left button does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hand {
-    Move,
-    Pick,
-    Paint,
-}
-
-impl Hand {
-    pub const ALL: [Self; 3] = [Self::Move, Self::Pick, Self::Paint];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Move => "Move",
-            Self::Pick => "Pick",
-            Self::Paint => "Paint",
-        }
-    }
-}
-
-/// What is beyond the wipe.
-pub enum Other {
-    Nothing,
-    /// The same scene, walked otherwise.
-    Method(Method),
-    /// Another scene.
-    Scene(Box<Document>),
-}
-
-/// The brush.
-pub struct Brush {
-    pub tool: Tool,
-    /// In samples of the map.
-    pub radius: f64,
-    /// Share of the map's range a dab.
-    pub strength: f64,
-    /// The number of the stroke.
-    pub stroke: u32,
-    /// Whether it is on the surface now.
-    pub down: bool,
-}
-
 /// Everything in the window.
 pub struct Viewer {
     pub session: Session,
@@ -74,6 +32,12 @@ pub struct Viewer {
     pub hand: Hand,
     pub brush: Brush,
     pub other: Other,
+    /// What is to render.
+    pub backend: Backend,
+    /// What renders: the name of a GPU, or "cpu".
+    pub renders: String,
+    /// Why the CPU renders what a GPU was to.
+    pub why: Option<Why>,
     /// Where the wipe is, as a share of the width.
     pub wipe: f32,
     /// Whether it is being dragged.
@@ -125,16 +89,16 @@ impl Viewer {
             let context = context.clone();
             move || context.request_repaint()
         };
-        let backend = Backend::Cpu { threads: arguments.threads };
-        let brush =
-            Brush { tool: Tool::Raise, radius: 24.0, strength: 0.02, stroke: 0, down: false };
         Self {
             saving: Saving::new(&session),
             session,
-            worker: Worker::start(studio, backend, notify),
+            worker: Worker::start(studio, arguments.threads, notify),
+            backend: arguments.backend,
+            renders: String::new(),
+            why: None,
             journal,
             hand: Hand::Move,
-            brush,
+            brush: Brush::default(),
             other,
             wipe: 0.5,
             wiping: false,
@@ -245,6 +209,7 @@ impl Viewer {
             size: self.size,
             shape: self.session.shape().map_or(0, |shape| shape.index),
             paintings: std::mem::take(&mut self.paintings),
+            backend: self.backend,
         });
     }
 
@@ -279,6 +244,13 @@ impl Viewer {
                 Event::Pass { .. } => {}
                 Event::Done { since, .. } => {
                     self.progress = format!("done in {:.2} s", since.as_secs_f64());
+                }
+                Event::Backend { name, why } => {
+                    self.renders = name;
+                    if let Some(why) = why.as_ref().filter(|why| why.loud) {
+                        self.message = Some(why.text.clone());
+                    }
+                    self.why = why;
                 }
                 Event::Failed(why) => {
                     self.message = Some(why);
@@ -323,6 +295,9 @@ impl Viewer {
     }
 
     fn keys(&mut self, ui: &egui::Ui) {
+        if ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Q)) {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+        }
         if ui.ctx().egui_wants_keyboard_input() {
             return;
         }
@@ -375,6 +350,7 @@ impl eframe::App for Viewer {
         self.poll(&context);
         self.look_at_files(&context);
         self.keys(ui);
+        self.close(ui);
         Panel::bottom("status").show(ui, |ui| panels::status(self, ui));
         Panel::left("controls").exact_size(290.0).resizable(false).show(ui, |ui| {
             ScrollArea::vertical().show(ui, |ui| panels::controls(self, ui));

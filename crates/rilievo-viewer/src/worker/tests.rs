@@ -5,7 +5,11 @@ use std::path::Path;
 use super::*;
 use crate::brush::{Dab, Tool};
 use crate::passes::Content;
+use crate::session::Look;
 use crate::studio::Touch;
+use rilievo::relief::Method;
+use rilievo_gpu::Backend;
+use rilievo_io::scene::SceneFile;
 
 const SCENE: &str = "[camera]\nposition = [0.5, -0.7, 0.9]\nlook_at = [0.5, 0.5, 0]\n\
      [render]\nsamples = 2\nambient = [0.2, 0.2, 0.2]\n\
@@ -23,6 +27,7 @@ fn job(serial: u64, text: &str, change: Change) -> Job {
         size: [64, 48],
         shape: 0,
         paintings: Vec::new(),
+        backend: Backend::Cpu,
     }
 }
 
@@ -44,7 +49,7 @@ fn wait(worker: &Worker, serial: u64) -> Vec<Event> {
 }
 
 fn start() -> Worker {
-    Worker::start(Studio::default(), Backend::Cpu { threads: 1 }, || {})
+    Worker::start(Studio::default(), 1, || {})
 }
 
 #[test]
@@ -129,7 +134,7 @@ fn strokes_are_painted_before_the_picture_and_none_is_lost() {
     let mut studio = Studio::default();
     let file = SceneFile::parse(SCENE, Path::new("scene.toml")).unwrap();
     let shown = studio.load(&file, None).unwrap();
-    studio.paint(Some(shown), &[touch; 6]).unwrap();
+    studio.paint(Some(shown), &[touch; 6], &mut Vec::new()).unwrap();
     let expected = studio.load(&file, None).unwrap().relief(0).unwrap().heights().raw_range();
     assert_eq!(now, Some(expected));
     worker.post(Job { paintings: vec![Painting::Swap(1)], ..job(8, SCENE, Change::Rendered) });
