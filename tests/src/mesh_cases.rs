@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use rilievo::Ray;
+use rilievo::accel::Aabb;
 use rilievo::map::{DistanceMap, DistanceOptions, HeightMap, Lattice, Metric, Wrap};
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Displacement, Edges, MeshOptions, Method, Relief, ReliefMesh};
@@ -212,7 +213,11 @@ pub fn places() -> [DAffine3; 4] {
 
 /// A ray from around or inside the mesh towards it.
 pub fn ray(mesh: &ReliefMesh, random: &mut Random) -> Ray {
-    let bounds = mesh.bounds();
+    ray_towards(mesh.bounds(), random)
+}
+
+/// A ray from around or inside a box towards what is in it.
+pub fn ray_towards(bounds: Aabb, random: &mut Random) -> Ray {
     let (centre, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
     let inside = |random: &mut Random, far: f64| {
         centre + half * far * DVec3::from_array([(); 3].map(|()| random.range(-1.0, 1.0)))
