@@ -6,6 +6,7 @@
 pub mod ball;
 pub mod conformance;
 pub mod image;
+pub mod joined;
 pub mod kernel;
 pub mod maps;
 pub mod mesh_cases;

@@ -5,76 +5,17 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 use rilievo::Ray;
-use rilievo::map::{HeightMap, Lattice, Wrap};
-use rilievo::mesh::{Mesh, MeshData};
-use rilievo::relief::{Displacement, MeshOptions, MeshPart, Relief, ReliefMesh};
+use rilievo::mesh::Mesh;
+use rilievo::relief::{Displacement, MeshPart, Relief, ReliefMesh};
 use rilievo::surface::{Surface, World};
-use rilievo_tests::maps::Shape;
+use rilievo_tests::joined::{self, Joined, cut, fbm, options, ray, world};
 use rilievo_tests::mesh_cases::size;
 use rilievo_tests::meshes::Base;
 use rilievo_tests::random::Random;
 
-/// The triangles of a base by the parts they fall to.
-fn cut(base: &Mesh, parts: usize, part_of: impl Fn(usize) -> usize) -> Vec<Mesh> {
-    let data = base.data();
-    let part = |part| {
-        let own = data.triangles.iter().enumerate().filter(|(k, _)| part_of(*k) == part);
-        let triangles = own.map(|(_, triangle)| *triangle).collect();
-        Mesh::new(MeshData { triangles, ..data.clone() }).expect("valid")
-    };
-    (0..parts).map(part).collect()
-}
-
-fn options(scale: f64, zero: f64, closed: bool) -> MeshOptions {
-    let displacement = Displacement { scale, zero, ..Displacement::default() };
-    MeshOptions { displacement, closed, ..MeshOptions::default() }
-}
-
-/// The parts as surfaces of a world.
-fn world(meshes: Vec<Mesh>, parts: &[MeshPart]) -> World {
-    let joined = ReliefMesh::joined(parts).expect("valid");
-    let surface = |(mesh, displaced): (Mesh, Option<ReliefMesh>)| match displaced {
-        Some(displaced) => Surface::from(displaced),
-        None => Surface::from(mesh),
-    };
-    World::new(meshes.into_iter().zip(joined).map(surface).collect())
-}
-
-fn fbm(seed: u64) -> HeightMap {
-    Shape::Fbm(seed).codes([40, 30], Lattice::Texel, Wrap::Repeat)
-}
-
-/// A ray from the middle to a corner, a point of an edge or anything else.
-fn ray(base: &Mesh, middle: DVec3, k: u64) -> Ray {
-    let mut random = Random::new(&[71, k]);
-    let data = base.data();
-    let triangle = &data.triangles[random.integer(0, data.triangles.len() as i32 - 1) as usize];
-    let [a, b, c] = triangle.positions.map(|p| data.positions[p as usize]);
-    let at = match k % 3 {
-        0 => a,
-        1 => a.lerp(b, random.unit()),
-        _ => a.lerp(b, random.unit()).lerp(c, random.unit()),
-    };
-    Ray::new(middle, at - middle)
-}
-
 #[test]
 fn nothing_escapes_between_parts_with_different_maps() {
-    for (base, parts) in [(Base::Icosphere(2), 3), (Base::Cube, 4), (Base::Icosphere(1), 5)] {
-        let base = base.mesh();
-        let meshes = cut(&base, parts, |k| (k * 7 + k / 3) % parts);
-        let reliefs: Vec<_> =
-            (0..parts as u64).map(|k| Arc::new(Relief::new(fbm(90 + k)))).collect();
-        let laid = |k: usize| {
-            let scale = [0.03, 0.08, -0.05, 0.02][k % 4] * size(&base);
-            // The last one stays as it is.
-            if k + 1 == parts {
-                return MeshPart::plain(&meshes[k]);
-            }
-            MeshPart::displaced(&meshes[k], Arc::clone(&reliefs[k]), options(scale, 0.5, false))
-        };
-        let all: Vec<_> = (0..parts).map(laid).collect();
-        let world = world(meshes.clone(), &all);
+    for Joined { base, world } in joined::all() {
         let escaped = (0..40_000).into_par_iter().filter(|&k| {
             let ray = ray(&base, DVec3::new(0.01, -0.02, 0.03), k);
             let Some(hit) = world.closest(&ray, &mut ()) else { return true };
@@ -89,6 +30,7 @@ fn nothing_escapes_between_parts_with_different_maps() {
             k % 3 == 2 && count % 2 == 0
         });
         let escaped: Vec<u64> = escaped.collect();
+        let parts = world.surfaces().len();
         assert!(escaped.is_empty(), "{parts} parts: {} rays, {:?}", escaped.len(), &escaped[..1]);
     }
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use wgpu::{DeviceType, PollType};
 
+use crate::distance_build::BoxKernel;
 use crate::error::GpuError;
 use crate::pages::Pages;
 use crate::shaders::{self, Walks};
@@ -43,6 +44,8 @@ pub(crate) enum Kernel {
     Ground,
     /// The other levels.
     Coarser,
+    /// A step of making a distance map.
+    Boxes(BoxKernel),
 }
 
 /// What a driver tells outside of any call.
@@ -230,6 +233,7 @@ impl Gpu {
             Kernel::Closest(walks) => ("closest", shaders::closest(walks, pages)),
             Kernel::Ground => ("ground", shaders::pyramid(pages)),
             Kernel::Coarser => ("coarser", shaders::pyramid(pages)),
+            Kernel::Boxes(kernel) => (kernel.name(), shaders::boxes(pages)),
         };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),

@@ -36,6 +36,49 @@ struct Planned<'a> {
     slice: u32,
 }
 
+/// What the places of a distance map depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct DistanceShape {
+    kind: DistanceKind,
+    place: u32,
+    slice: u32,
+    size: [u32; 3],
+}
+
+impl Planned<'_> {
+    fn shape(&self) -> DistanceShape {
+        let Self { map, place, slice, .. } = *self;
+        DistanceShape { kind: map.kind(), place, slice, size: map.size() }
+    }
+
+    fn write_codes(&self, gpu: &Gpu, texture: &wgpu::Texture) {
+        let widened: Vec<u16>;
+        let codes = match self.map.codes() {
+            Codes::U16(codes) => codes,
+            Codes::U8(codes) => {
+                widened = codes.iter().map(|&code| code.into()).collect();
+                &widened
+            }
+        };
+        let [x, y, _] = self.map.size();
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: 0, y: 0, z: self.slice },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytemuck::cast_slice(codes),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(2 * x),
+                rows_per_image: Some(y),
+            },
+            extent(self.map.size()),
+        );
+    }
+}
+
 impl<'a> Distances<'a> {
     /// Where a map is told of; `end` is where the bounds end so far.
     pub fn place(&mut self, map: &'a DistanceMap, heights: &'a HeightMap, end: &mut u64) -> u32 {
@@ -86,34 +129,30 @@ impl<'a> Distances<'a> {
             view_formats: &[],
         });
         gpu.check()?;
-        for Planned { map, slice, .. } in &self.maps {
-            let widened: Vec<u16>;
-            let codes = match map.codes() {
-                Codes::U16(codes) => codes,
-                Codes::U8(codes) => {
-                    widened = codes.iter().map(|&code| code.into()).collect();
-                    &widened
-                }
-            };
-            let [x, y, _] = map.size();
-            gpu.queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture: &texture,
-                    mip_level: 0,
-                    origin: wgpu::Origin3d { x: 0, y: 0, z: *slice },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                bytemuck::cast_slice(codes),
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(2 * x),
-                    rows_per_image: Some(y),
-                },
-                extent(map.size()),
-            );
-        }
+        self.maps.iter().for_each(|planned| planned.write_codes(gpu, &texture));
         gpu.check()?;
         Ok(Some(texture))
+    }
+
+    /// Where maps lie and how large they are.
+    pub fn shapes(&self) -> Vec<DistanceShape> {
+        self.maps.iter().map(Planned::shape).collect()
+    }
+
+    /// Brings those over that lie over a height map, which was edited: codes into the texture, and the words that tell of
+    /// them, each with its place, to `write`.
+    pub fn follow(
+        &self,
+        gpu: &Gpu,
+        texture: &wgpu::Texture,
+        heights: &HeightMap,
+        write: impl Fn(u32, &[u32]),
+    ) {
+        let own = self.maps.iter().filter(|planned| std::ptr::eq(planned.heights, heights));
+        for planned in own {
+            planned.write_codes(gpu, texture);
+            write(planned.place, &words(planned));
+        }
     }
 
     /// The words that tell of each map, and where they go.

@@ -43,6 +43,12 @@ pub enum GpuError {
         /// Bytes allowed.
         allowed: u64,
     },
+    /// A distance map that is not allowed, on any machine.
+    #[error("{reason}")]
+    Distances {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The device has no memory left.
     #[error(
         "the GPU {adapter} is out of memory; use smaller maps, close other programs, or use the CPU"

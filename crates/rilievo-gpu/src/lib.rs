@@ -20,7 +20,8 @@
 //! here, and where answers differ it is by less than the rule of the nudge allows (docs/LIMITS.md).
 //!
 //! **Order of work.** Hits are completed on the CPU in `f64`, from cell, place and parameter: normals, position and its
-//! error bound come from the code that all CPU methods share. A GPU gives back 48 bytes a ray.
+//! error bound come from the code that all CPU methods share. A GPU gives back 48 bytes a ray, 4 of one that is only asked whether it
+//! meets anything.
 //!
 //! **Flat surfaces** are met in doubles too: triangles by sheared edges, spheres by their quadratic, below trees of
 //! boxes in floats, rounded outward. The CPU then meets the surface that the GPU names once more, in `f64`.
@@ -33,16 +34,18 @@
 //!
 //! **Distances.** Methods `distance` and `distance-corrected` step through a 3-D texture in `f32`, with wider margins than
 //! the CPU's `f64`, and end in the same leaf: the same hits, bit for bit (`shaders/distance.wgsl`). `distance-published` is the
-//! paper's, in floats (`shaders/published.wgsl`).
+//! paper's, in floats (`shaders/published.wgsl`); `march` takes the CPU's fixed steps, in doubles (`shaders/approximate.wgsl`).
+//! [`Gpu::box_distances`] makes maps of kind boxes on the device, code for code the CPU's (`shaders/boxes.wgsl`).
 //!
 //! **Displaced spheres** are cut to segments over the faces of the cube, and their cells solved, in doubles; blocks are swept in floats,
 //! whose slacks cover what a driver may fuse.
 //!
 //! **Displaced meshes** are walked prism by prism in floats, which count from the prism's own corner and from where the ray passes its
 //! middle; what they round is part of the frame's error, so nothing is left out (`shells/mesh.rs`). The leaf encloses roots as the CPU's
-//! does, values in doubles, derivatives in floats: what these round is part of the enclosure.
+//! does, values in doubles, derivatives in floats: what these round is part of the enclosure. Parts of one mesh count from one middle and
+//! are cut to one box, so that what is computed beside an edge is the same in both; walls show the neighbour's map.
 //!
-//! **Limits.** Displaced meshes whose maps meet in walls, surfaces that move, and method `march`, are refused by name. Rays whose start is farther than 1e30
+//! **Limits.** Surfaces that move are refused by name. Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
 //! **Watchdog.** Dispatches are cut so that each takes about a tenth of a second.
@@ -56,7 +59,9 @@
 #![forbid(unsafe_code)]
 
 mod backend;
+mod bounds;
 mod device;
+mod distance_build;
 mod distances;
 mod error;
 mod maps;
@@ -66,6 +71,7 @@ mod pyramid_build;
 mod records;
 mod shaders;
 mod shells;
+mod surfaces;
 mod upload;
 mod world;
 

@@ -7,15 +7,16 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use rilievo::map::{Code, DistanceKind, HeightMap, Layout, Pyramid, Samples};
+use rilievo::map::{Code, DistanceKind, HeightMap, Layout, NodeRuns, Pyramid, Samples};
 use rilievo::relief::{Method, Relief};
 
+use crate::bounds::{self, LEVEL_WORDS};
 use crate::device::{Gpu, Kernel};
-use crate::distances::Distances;
+use crate::distances::{DistanceShape, Distances};
 use crate::error::GpuError;
 use crate::pages::{Paged, Pages};
-use crate::pyramid_build::{PyramidBuild, Runs};
-use crate::records::{self, LEVEL_WORDS, MapPlace};
+use crate::pyramid_build::PyramidBuild;
+use crate::records::{FaceWalk, MapPlace};
 use crate::shaders::Walks;
 
 /// The maps of a world and where they are to lie, before anything is on the device.
@@ -64,7 +65,7 @@ impl Shape {
     /// 32 bits are wrong here, and refused when the buffers are made.
     fn new(map: &HeightMap, [heights, bounds]: [u64; 2]) -> (Self, u64) {
         let cells = [map.x().cells(), map.y().cells()];
-        let count = records::levels(map);
+        let count = bounds::levels(map);
         let mut at = bounds + u64::from(count) * LEVEL_WORDS as u64;
         let mut level = |level: u32| {
             let nodes = cells.map(|n| n.div_ceil(16 << (2 * level)));
@@ -92,8 +93,8 @@ impl Shape {
     }
 
     /// All nodes of the finest level.
-    fn all_runs(&self) -> [Runs; 2] {
-        self.levels[0].nodes.map(|n| Runs::from([0..n, 0..0]))
+    fn all_runs(&self) -> [NodeRuns; 2] {
+        self.levels[0].nodes.map(|n| [0..n, 0..0])
     }
 
     /// The table of the pyramid.
@@ -116,14 +117,26 @@ impl<'a> MapPlan<'a> {
         maps[number].shape.place
     }
 
-    /// Where the distance map is told of that a method walks over a relief, if it walks one.
-    pub fn place_distance(&mut self, relief: &'a Relief, method: Method) -> Option<u32> {
+    /// How a method walks a relief.
+    pub fn place_walk(&mut self, relief: &'a Relief, method: Method) -> FaceWalk {
+        if method == Method::March {
+            self.walks.marched = true;
+            return FaceWalk::March;
+        }
         let map = method.distance_kind().and_then(|kind| relief.distance(kind));
-        self.walks.bounds |= map.is_none();
-        let map = map?;
+        let Some(map) = map else {
+            self.walks.bounds = true;
+            return FaceWalk::Bounds;
+        };
         self.walks.published |= map.kind() == DistanceKind::Published;
         self.walks.distances |= map.kind() != DistanceKind::Published;
-        Some(self.distances.place(map, relief.heights(), &mut self.bounds))
+        FaceWalk::Distance(self.distances.place(map, relief.heights(), &mut self.bounds))
+    }
+
+    /// All walks that are asked for, at least one: a kernel without any would bind something else.
+    fn all_walks(&self) -> Walks {
+        let nothing = self.walks == Walks::default();
+        Walks { bounds: self.walks.bounds || nothing, ..self.walks }
     }
 
     /// More walks that the surfaces over these maps ask for.
@@ -143,6 +156,7 @@ pub(crate) struct Maps {
     bounds: Paged,
     /// The codes of distance maps, if there are any.
     distances: Option<wgpu::Texture>,
+    distance_shapes: Vec<DistanceShape>,
     walks: Walks,
     maps: Vec<MapOnDevice>,
 }
@@ -163,10 +177,10 @@ impl Maps {
         let bounds = Paged::new(gpu, "bounds", plan.bounds)?;
         gpu.check_pages(heights.pages().count + bounds.pages().count, 4 * plan.heights)?;
         let distances = plan.distances.texture(gpu)?;
-        // A kernel without any walk would bind something else.
-        let nothing = plan.walks == Walks::default();
-        let walks = if nothing { Walks { bounds: true, ..plan.walks } } else { plan.walks };
-        let mut made = Self { heights, bounds, distances, walks, maps: Vec::new() };
+        let walks = plan.all_walks();
+        let distance_shapes = plan.distances.shapes();
+        let maps = Vec::new();
+        let mut made = Self { heights, bounds, distances, distance_shapes, walks, maps };
         for (place, words) in plan.distances.words() {
             made.bounds.write(gpu, place.into(), bytemuck::cast_slice(&words));
         }
@@ -189,15 +203,15 @@ impl Maps {
         Ok(made)
     }
 
-    /// Whether a plan's maps lie where these do, so that an edit is all that parts them. No part of a distance map
-    /// outlives an edit, so with one of those they never do.
+    /// Whether a plan's maps lie where these do, so that an edit is all that parts them.
     pub fn fits(&self, plan: &MapPlan<'_>) -> bool {
         let own = self.maps.iter().map(|map| &map.shape);
-        let distances = self.distances.is_some() || !plan.distances.is_empty();
-        !distances && own.eq(plan.maps.iter().map(|map| &map.shape))
+        own.eq(plan.maps.iter().map(|map| &map.shape))
+            && self.distance_shapes == plan.distances.shapes()
     }
 
-    /// Follows edits of maps: each by its number and the columns and rows that may have changed.
+    /// Follows edits of maps, each by its number and the columns and rows that may have changed, and whatever else the
+    /// surfaces over them are now.
     ///
     /// # Errors
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
@@ -207,6 +221,7 @@ impl Maps {
         plan: &MapPlan<'_>,
         edits: &[(usize, [Range<u32>; 2])],
     ) -> Result<(), GpuError> {
+        self.walks = plan.all_walks();
         let mut build = PyramidBuild::default();
         for (number, [x, y]) in edits {
             let Some(PlannedMap { relief, .. }) = plan.maps.get(*number) else { continue };
@@ -222,6 +237,12 @@ impl Maps {
             }
             self.write_rect(gpu, &map.shape, relief.heights(), rect.clone());
             self.rebuild(gpu, map, (relief, same.then_some(rect)), &mut build);
+            if let Some(texture) = &self.distances {
+                let write = |place: u32, words: &[u32]| {
+                    self.bounds.write(gpu, place.into(), bytemuck::cast_slice(words));
+                };
+                plan.distances.follow(gpu, texture, relief.heights(), write);
+            }
         }
         build.run(gpu, self)
     }
@@ -299,10 +320,10 @@ impl Maps {
         if !PyramidBuild::knows(map.code) {
             let mut words = Vec::new();
             let first = map.shape.place.bounds;
-            if !records::write_bounds(&mut words, first, relief.pyramid()) {
+            if !bounds::write_bounds(&mut words, first, relief.pyramid()) {
                 let own = Pyramid::build_as(relief.heights(), Layout::Default);
                 words.clear();
-                records::write_bounds(&mut words, first, &own);
+                bounds::write_bounds(&mut words, first, &own);
             }
             self.bounds.write(gpu, u64::from(first), bytemuck::cast_slice(&words));
             return;
@@ -311,7 +332,8 @@ impl Maps {
             None => map.shape.all_runs(),
             Some([x, y]) => {
                 let heights = relief.heights();
-                [Runs::touched(heights.x(), &x), Runs::touched(heights.y(), &y)]
+                [(heights.x(), x), (heights.y(), y)]
+                    .map(|(axis, changed)| Pyramid::touched_nodes(axis, &changed))
             }
         };
         build.add(&map.shape, map.code, runs);

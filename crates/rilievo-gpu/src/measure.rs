@@ -11,7 +11,7 @@ use wgpu::BufferUsages;
 use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::records;
-use crate::world::{BATCH, GpuWorld};
+use crate::world::{Answer, BATCH, GpuWorld};
 
 /// Rays on a device, with room for their hits.
 pub struct GpuRays {
@@ -112,7 +112,7 @@ impl GpuWorld<'_> {
         let mut seconds = 0.0;
         for part in &rays.parts {
             let groups = self.groups(&pipeline, &part.rays, &part.hits);
-            self.set_params(0..part.count);
+            self.set_params(0..part.count, Answer::Nearest);
             seconds += self.gpu().time_pass(|pass| {
                 pass.set_pipeline(&pipeline);
                 for (index, group) in (0..).zip(&groups) {

@@ -4,6 +4,8 @@
 //! words lie in several buffers, *pages* of a power of two of words each, and a shader picks the page by the high bits
 //! of a place (`shaders::words`). One page is read without that.
 
+use rilievo::map::{HeightMap, Samples};
+
 use crate::device::Gpu;
 use crate::error::GpuError;
 
@@ -53,6 +55,20 @@ impl Paged {
         };
         let buffers = (0..u64::from(pages.count)).map(buffer).collect::<Result<_, _>>()?;
         Ok(Self { buffers, pages })
+    }
+
+    /// The samples of a map, as the CPU holds them.
+    ///
+    /// # Errors
+    /// As [`Paged::new`].
+    pub fn of_samples(gpu: &Gpu, map: &HeightMap) -> Result<Self, GpuError> {
+        let bytes: &[u8] = match map.samples() {
+            Samples::U16(codes) => bytemuck::cast_slice(codes),
+            Samples::F32(all) => bytemuck::cast_slice(all),
+        };
+        let paged = Self::new(gpu, "height maps", (bytes.len() as u64).div_ceil(4))?;
+        paged.write(gpu, 0, bytes);
+        Ok(paged)
     }
 
     /// How the words are cut.

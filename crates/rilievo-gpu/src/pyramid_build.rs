@@ -1,11 +1,11 @@
 //! [`PyramidBuild`]: pyramids made on a device (`shaders/pyramid.wgsl`), whole or above an edit.
 //!
 //! A dispatch makes a rectangle of one level from the heights or from the level below. What it writes is, bit for bit,
-//! what [`Pyramid`](rilievo::map::Pyramid) holds.
+//! what [`Pyramid`] holds.
 
 use std::ops::Range;
 
-use rilievo::map::{Axis, Code};
+use rilievo::map::{Code, NodeRuns, Pyramid};
 
 use crate::device::{Gpu, Kernel};
 use crate::error::GpuError;
@@ -20,43 +20,6 @@ const GROUP: u32 = 8;
 
 /// Workgroups of a dispatch along an axis.
 const LARGEST_GROUPS: u32 = 65_535;
-
-/// Nodes of one axis that are to be made anew: a run, and one at the far end that a wrap reaches.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Runs([Range<u32>; 2]);
-
-impl From<[Range<u32>; 2]> for Runs {
-    fn from(runs: [Range<u32>; 2]) -> Self {
-        Self(runs)
-    }
-}
-
-impl Runs {
-    /// Nodes of the finest level with a cell that touches a sample of `changed`, which is not empty.
-    pub fn touched(axis: &Axis, changed: &Range<u32>) -> Self {
-        let cells = axis.cells();
-        let (first, end, far) = if axis.first_cell() < 0 {
-            // Cell c joins samples c - 1 and c.
-            (changed.start, changed.end + 1, 0..0)
-        } else {
-            // Cell c joins samples c and c + 1, the last one of a wrap sample 0.
-            let wraps = cells == axis.samples() && changed.start == 0;
-            let far = if wraps { (cells - 1) / 16..cells.div_ceil(16) } else { 0..0 };
-            (changed.start.saturating_sub(1), changed.end.min(cells), far)
-        };
-        Self([first / 16..end.div_ceil(16), far])
-    }
-
-    /// Parents of nodes.
-    fn parents(&self) -> Self {
-        Self(self.0.clone().map(|run| run.start / 4..run.end.div_ceil(4)))
-    }
-
-    /// The runs that are not empty.
-    fn iter(&self) -> impl Iterator<Item = &Range<u32>> {
-        self.0.iter().filter(|run| !run.is_empty())
-    }
-}
 
 /// Dispatches that wait to be run, in their order.
 #[derive(Default)]
@@ -77,18 +40,18 @@ impl PyramidBuild {
     }
 
     /// Adds the build of the nodes of the finest level in `runs`, along x and y, and of what lies above them.
-    pub fn add(&mut self, shape: &Shape, code: Code, runs: [Runs; 2]) {
+    pub fn add(&mut self, shape: &Shape, code: Code, runs: [NodeRuns; 2]) {
         let mut runs = runs;
         let mut below = None;
         for level in &shape.levels {
-            for y in runs[1].iter() {
-                for x in runs[0].iter() {
+            for y in runs[1].iter().filter(|run| !run.is_empty()) {
+                for x in runs[0].iter().filter(|run| !run.is_empty()) {
                     // Two words and four rows of blocks a node.
                     let rect = [2 * x.start..2 * x.end, 4 * y.start..4 * y.end];
                     self.add_rect(shape, code, (level, below), rect);
                 }
             }
-            runs = [runs[0].parents(), runs[1].parents()];
+            runs = [Pyramid::parent_nodes(&runs[0]), Pyramid::parent_nodes(&runs[1])];
             below = Some(level);
         }
     }

@@ -2,10 +2,12 @@
 //! `shaders/params.wgsl`, field by field in their order, in words of 32 bits.
 
 use rilievo::glam::DVec3;
-use rilievo::map::{Axis, CubeFace, HeightMap, Lattice, LevelBounds, Pyramid, Samples, Wrap};
+use rilievo::map::{Axis, CubeFace, Lattice, Samples, Wrap};
 use rilievo::relief::{Relief, ReliefFace, ReliefMesh, ReliefSphere};
 use rilievo::{Hit, Part, Ray, Wall};
 use rilievo_render::ShadowRay;
+
+use crate::bounds;
 
 /// Words of a ray.
 pub(crate) const RAY_WORDS: usize = 20;
@@ -15,23 +17,21 @@ pub(crate) const HIT_WORDS: usize = 12;
 pub(crate) const FACE_WORDS: usize = 72;
 /// Words of a face before those of its map.
 const FRAME_WORDS: usize = 54;
-/// Words of a surface.
-pub(crate) const SURFACE_WORDS: usize = 4;
 /// Words of a node.
 pub(crate) const NODE_WORDS: usize = 8;
 /// Words of a triangle in `numbers`: three corners, its index, and one that is unused.
 pub(crate) const TRIANGLE_WORDS: usize = 20;
-/// Words of a level in the table of a pyramid: nodes along x, first word of maxima and of minima.
-pub(crate) const LEVEL_WORDS: usize = 3;
 /// Words of a task of building a pyramid.
 pub(crate) const TASK_WORDS: usize = 24;
+/// Words of a task of building a distance map.
+pub(crate) const BOX_TASK_WORDS: usize = 20;
 
 /// The surface of a ray that leaves none, and of a hit that is none.
-const NOTHING: u32 = u32::MAX;
+pub(crate) const NOTHING: u32 = u32::MAX;
+/// The word of a face that is walked by fixed steps.
+const MARCHED: u32 = u32::MAX - 1;
 /// Bit of a side.
 const FRONT: u32 = 1;
-/// Bit of a surface that rays from behind pass through.
-const ONE_SIDED: u32 = 4;
 /// The kind of a wall of a displaced mesh.
 const SEAM_WALL: u32 = 7;
 /// Where the kind of a wall begins.
@@ -44,6 +44,27 @@ pub(crate) struct MapPlace {
     pub heights: u32,
     /// First word of the table of its pyramid.
     pub bounds: u32,
+}
+
+/// How rays walk a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FaceWalk {
+    /// By the bounds of its map.
+    Bounds,
+    /// By the distance map that is told of at a word among the bounds.
+    Distance(u32),
+    /// By fixed steps.
+    March,
+}
+
+impl FaceWalk {
+    fn word(self) -> u32 {
+        match self {
+            Self::Bounds => NOTHING,
+            Self::Distance(place) => place,
+            Self::March => MARCHED,
+        }
+    }
 }
 
 /// Appends the fields of a struct.
@@ -199,12 +220,11 @@ impl HitRecord<'_> {
     }
 }
 
-/// Writes a face whose map lies at `place` and whose distance map, if it walks one, is told of at `distance`;
-/// `anchor` is that of the rays.
+/// Writes a face whose map lies at `place`; `anchor` is that of the rays.
 pub(crate) fn write_face(
     words: &mut Vec<u32>,
     face: &ReliefFace,
-    (place, distance): (MapPlace, Option<u32>),
+    (place, walk): (MapPlace, FaceWalk),
     anchor: DVec3,
 ) {
     let frame = face.lattice_frame();
@@ -218,7 +238,7 @@ pub(crate) fn write_face(
     let options = face.options();
     let flags = [frame.rises, options.closed, options.one_sided];
     write_map(words, face.relief(), place, [frame.lift, frame.raw_zero], flags);
-    words.push(distance.unwrap_or(NOTHING));
+    words.push(walk.word());
 }
 
 /// Writes a map that is no face's in the place of a face; the frame stays empty.
@@ -248,60 +268,7 @@ fn write_map(
     words.push(flags.into_iter().zip(0..).map(|(flag, bit)| u32::from(flag) << bit).sum());
     words.extend([map.width(), map.height(), map.x().cells(), map.y().cells()]);
     words.extend(unfolding(map.x()));
-    words.extend([place.heights, place.bounds, levels(map)]);
-}
-
-/// A surface of the world, or what an instance shows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SurfaceRecord {
-    kind: u32,
-    data: u32,
-    one_sided: bool,
-    /// Place of the transform in `numbers`, if it stands elsewhere.
-    transform: Option<u32>,
-}
-
-impl SurfaceRecord {
-    /// A displaced face by its number.
-    pub fn face(number: u32) -> Self {
-        Self { kind: 1, data: number, one_sided: false, transform: None }
-    }
-
-    /// A sphere by the place of its centre and radius.
-    pub fn sphere(place: u32) -> Self {
-        Self { kind: 2, data: place, one_sided: false, transform: None }
-    }
-
-    /// Triangles by the root of their tree.
-    pub fn triangles(root: u32, one_sided: bool) -> Self {
-        Self { kind: 3, data: root, one_sided, transform: None }
-    }
-
-    /// A displaced sphere by the place of its numbers.
-    pub fn relief_sphere(place: u32) -> Self {
-        Self { kind: 4, data: place, one_sided: false, transform: None }
-    }
-
-    /// A displaced mesh by the place of its numbers.
-    pub fn relief_mesh(place: u32) -> Self {
-        Self { kind: 5, data: place, one_sided: false, transform: None }
-    }
-
-    /// A surface that no ray meets.
-    pub fn nothing() -> Self {
-        Self { kind: 0, data: 0, one_sided: false, transform: None }
-    }
-
-    /// The same surface as an instance shows it, by the place of the transform in `numbers`.
-    pub fn shown_at(self, transform: u32) -> Self {
-        Self { transform: Some(transform), ..self }
-    }
-
-    /// Appends the record.
-    pub fn write(&self, words: &mut Vec<u32>) {
-        let flags = u32::from(self.one_sided) * ONE_SIDED;
-        words.extend([self.kind, self.data, self.transform.unwrap_or(NOTHING), flags]);
-    }
+    words.extend([place.heights, place.bounds, bounds::levels(map)]);
 }
 
 /// Appends a node with a box from `low` to `high`, rounded outward.
@@ -322,40 +289,9 @@ fn unfolding(axis: &Axis) -> [u32; 2] {
     [u32::from(axis.lattice() == Lattice::Texel), wrap]
 }
 
-/// Levels of the pyramid of a map.
-pub(crate) fn levels(map: &HeightMap) -> u32 {
-    let cells = map.x().cells().max(map.y().cells());
-    (0..).find(|level| cells.div_ceil(16 << (2 * level)) == 1).unwrap_or(0) + 1
-}
-
-/// Appends the table and the bounds of a pyramid in the default layout, as they lie from word `first` on. False,
-/// and nothing of use, for another layout.
-pub(crate) fn write_bounds(words: &mut Vec<u32>, first: u32, pyramid: &Pyramid) -> bool {
-    let at = words.len();
-    let levels = pyramid.levels() as usize;
-    words.resize(at + levels * LEVEL_WORDS, 0);
-    for level in 0..levels {
-        let stored = pyramid.level(level as u32);
-        let LevelBounds::Wide { max, min } = &stored.bounds else { return false };
-        let table = at + level * LEVEL_WORDS;
-        words[table] = stored.nodes[0];
-        for (side, bounds) in [max, min].into_iter().enumerate() {
-            words[table + 1 + side] = first + (words.len() - at) as u32;
-            words.extend(bounds.as_flattened().chunks(2).map(pair));
-        }
-    }
-    true
-}
-
-/// One or two codes in a word, the first in the low half.
-fn pair(codes: &[u16]) -> u32 {
-    codes.iter().rev().fold(0, |word, &code| (word << 16) | u32::from(code))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rilievo::map::Layout;
 
     #[test]
     fn doubles_keep_48_bits() {
@@ -378,17 +314,6 @@ mod tests {
             let largest = (direction * direction_scale(&ray)).abs().max_element();
             assert!((1.0..2.0).contains(&largest), "{largest}");
         }
-    }
-
-    #[test]
-    fn bounds_are_written_in_words() {
-        let samples = Samples::U16((0..35).collect());
-        let map = HeightMap::new(7, 5, samples, Lattice::Vertex, Wrap::Clamp).unwrap();
-        let mut words = vec![9];
-        assert!(write_bounds(&mut words, 7, &Pyramid::build(&map)));
-        assert_eq!((words[..4].to_vec(), words.len()), (vec![9, 1, 10, 18], 20));
-        assert_eq!(levels(&map), 1);
-        assert!(!write_bounds(&mut words, 0, &Pyramid::build_as(&map, Layout::Tiny)));
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub(crate) struct Walks {
     pub distances: bool,
     /// As the paper has it.
     pub published: bool,
+    /// By fixed steps.
+    pub marched: bool,
     /// Displaced spheres.
     pub spheres: bool,
     /// Displaced meshes.
@@ -38,6 +40,7 @@ impl Walks {
             bounds: self.bounds || other.bounds,
             distances: self.distances || other.distances,
             published: self.published || other.published,
+            marched: self.marched || other.marched,
             spheres: self.spheres || other.spheres,
             meshes: self.meshes || other.meshes,
         }
@@ -55,23 +58,31 @@ impl Walks {
             (false, true) => by_distance.to_owned(),
             (false, false) => "return no_hit();".to_owned(),
         };
-        let [meets, meet] = match (self.published, self.bounds || self.distances) {
-            (false, _) => ["return false;", "var hit: Hit; hit.surface = NOTHING; return hit;"],
-            (true, false) => ["return true;", "return meet_published(t_max, number);"],
-            (true, true) => [
-                "if faces[face].distance == NOTHING { return false; } \
-                 return bound_word(faces[face].distance) == PUBLISHED;",
-                "return meet_published(t_max, number);",
-            ],
+        let mut points = Vec::new();
+        if self.marched {
+            points.push(("faces[face].distance == MARCHED", "return meet_marched(t_max, number);"));
+        }
+        if self.published {
+            points.push(("walks_published()", "return meet_published(t_max, number);"));
+        }
+        let meets = match (points.as_slice(), self.bounds || self.distances) {
+            ([], _) => "false".to_owned(),
+            (_, false) => "true".to_owned(),
+            (points, true) => points.iter().map(|(is, _)| *is).collect::<Vec<_>>().join(" || "),
         };
-        let faces = self.bounds || self.distances || self.published;
+        let meet = match points.as_slice() {
+            [] => "var hit: Hit; hit.surface = NOTHING; return hit;".to_owned(),
+            [(_, only)] => (*only).to_owned(),
+            [(is, first), (_, second), ..] => format!("if {is} {{ {first} }} {second}"),
+        };
+        let faces = self.bounds || self.distances || !points.is_empty();
         let Self { spheres, meshes, .. } = self;
         format!(
             "const FACES: bool = {faces};\n\
              const RELIEF_SPHERES: bool = {spheres};\n\
              const RELIEF_MESHES: bool = {meshes};\n\
              fn walk_tile(tile: Tile, begin: f32, end: f32) -> LeafHit {{ {walk} }}\n\
-             fn meets_points() -> bool {{ {meets} }}\n\
+             fn meets_points() -> bool {{ return {meets}; }}\n\
              fn meet_points(t_max: Double, number: u32) -> Hit {{ {meet} }}\n"
         )
     }
@@ -81,6 +92,11 @@ impl Walks {
 pub(crate) fn pyramid([heights, bounds]: [Pages; 2]) -> String {
     let maps = [words(BOUNDS, bounds, true), words(HEIGHTS, heights, false)];
     PYRAMID.to_owned() + &maps.concat()
+}
+
+/// Making distance maps of kind boxes.
+pub(crate) fn boxes([heights, _]: [Pages; 2]) -> String {
+    BOXES.to_owned() + &words((HEIGHTS.0, 1), heights, false)
 }
 
 /// Bindings of words in a group, and `<name>_word` that reads one; `set_<name>_word` where they may be written.
@@ -120,7 +136,15 @@ fn words((name, group): (&str, u32), pages: Pages, writable: bool) -> String {
 const PYRAMID: &str = concat!(
     include_str!("shaders/float.wgsl"),
     include_str!("shaders/double.wgsl"),
+    include_str!("shaders/samples.wgsl"),
     include_str!("shaders/pyramid.wgsl"),
+);
+
+const BOXES: &str = concat!(
+    include_str!("shaders/samples.wgsl"),
+    include_str!("shaders/whole.wgsl"),
+    include_str!("shaders/exact.wgsl"),
+    include_str!("shaders/boxes.wgsl"),
 );
 
 const CLOSEST: &str = concat!(
@@ -134,6 +158,7 @@ const CLOSEST: &str = concat!(
     include_str!("shaders/tile.wgsl"),
     include_str!("shaders/walk.wgsl"),
     include_str!("shaders/distance.wgsl"),
+    include_str!("shaders/approximate.wgsl"),
     include_str!("shaders/published.wgsl"),
     include_str!("shaders/walls.wgsl"),
     include_str!("shaders/trace.wgsl"),
@@ -184,14 +209,15 @@ mod tests {
 
     #[test]
     fn shaders_are_valid_without_optional_features() {
-        for pages in [[ONE, ONE], [THREE, ONE], [ONE, THREE]] {
-            for walks in 0..32 {
-                let [bounds, distances, published, spheres, meshes] =
-                    [1, 2, 4, 8, 16].map(|bit| walks & bit != 0);
-                let walks = Walks { bounds, distances, published, spheres, meshes };
+        for (pages, step) in [([ONE, ONE], 1), ([THREE, ONE], 5), ([ONE, THREE], 11)] {
+            for walks in (0..64).step_by(step) {
+                let [bounds, distances, published, marched, spheres, meshes] =
+                    [1, 2, 4, 8, 16, 32].map(|bit| walks & bit != 0);
+                let walks = Walks { bounds, distances, published, marched, spheres, meshes };
                 assert_eq!(validated(&closest(walks, pages)).entry_points.len(), 1);
             }
             assert_eq!(validated(&pyramid(pages)).entry_points.len(), 2);
+            assert_eq!(validated(&boxes(pages)).entry_points.len(), 4);
         }
     }
 
@@ -210,12 +236,14 @@ mod tests {
             ("Ray", records::RAY_WORDS),
             ("Hit", records::HIT_WORDS),
             ("Face", records::FACE_WORDS),
-            ("Surface", records::SURFACE_WORDS),
+            ("Surface", crate::surfaces::SURFACE_WORDS),
             ("Node", records::NODE_WORDS),
         ] {
             assert_eq!(span(&module, name), Some(4 * words), "{name}");
         }
         let tasks = validated(&pyramid([ONE, ONE]));
         assert_eq!(span(&tasks, "Task"), Some(4 * records::TASK_WORDS));
+        let tasks = validated(&boxes([ONE, ONE]));
+        assert_eq!(span(&tasks, "Task"), Some(4 * records::BOX_TASK_WORDS));
     }
 }

@@ -10,16 +10,15 @@ use rilievo::accel::{Aabb, Bvh, BvhNode};
 use rilievo::glam::{DAffine3, DMat3, DVec3};
 use rilievo::map::CubeFace;
 use rilievo::mesh::Mesh;
-use rilievo::relief::{Method, ReliefFace, ReliefMesh, ReliefSphere};
+use rilievo::relief::{Relief, ReliefFace, ReliefMesh, ReliefSphere};
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 
 use crate::error::GpuError;
 use crate::maps::MapPlan;
-use crate::records::{
-    self, FACE_WORDS, NODE_WORDS, SURFACE_WORDS, SurfaceRecord, TRIANGLE_WORDS, Words,
-};
+use crate::records::{self, FACE_WORDS, NODE_WORDS, TRIANGLE_WORDS, Words};
 use crate::shaders::Walks;
 use crate::shells;
+use crate::surfaces::{SURFACE_WORDS, SurfaceRecord};
 
 /// Levels of two trees, one below the other, that the stack of `shaders/world.wgsl` holds.
 const LARGEST_DEPTH: u32 = 126;
@@ -77,14 +76,8 @@ impl<'a> Upload<'a> {
             Surface::Quad(quad) => Ok(self.quad(quad, anchor)),
             Surface::Sphere(sphere) => Ok(self.sphere(sphere, anchor)),
             Surface::Mesh(mesh) => Ok(self.mesh(mesh, anchor)),
-            Surface::Face(face) => match face.options().method {
-                Method::March => unsupported("method march"),
-                _ => Ok(self.face(face, anchor)),
-            },
+            Surface::Face(face) => Ok(self.face(face, anchor)),
             Surface::ReliefSphere(sphere) => Ok(self.relief_sphere(sphere, anchor)),
-            Surface::ReliefMesh(mesh) if mesh.shows_other_parts() => {
-                unsupported("a displaced mesh of several materials")
-            }
             Surface::ReliefMesh(mesh) => Ok(self.relief_mesh(mesh, anchor)),
             Surface::Instance(_) => unsupported("an instance of an instance"),
             Surface::Moving(_) => unsupported("a surface that moves"),
@@ -98,9 +91,13 @@ impl<'a> Upload<'a> {
     ) -> Result<SurfaceRecord, GpuError> {
         let prototype = instance.prototype();
         let address = Arc::as_ptr(prototype).addr();
-        // Its frame counts from its own middle, as that of the world does.
+        // Its frame counts from its own middle, as that of the world does; parts of one mesh share theirs.
         let bounds = prototype.bounds();
-        let middle = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
+        let middle = match prototype.as_ref() {
+            Surface::ReliefMesh(mesh) => mesh.frame().centre,
+            _ if bounds.is_empty() => DVec3::ZERO,
+            _ => bounds.centre(),
+        };
         let shown = match self.prototypes.get(&address) {
             Some(record) => *record,
             None => {
@@ -121,9 +118,9 @@ impl<'a> Upload<'a> {
     fn face(&mut self, face: &'a ReliefFace, anchor: DVec3) -> SurfaceRecord {
         let relief = face.relief();
         let place = self.maps.place(relief);
-        let distance = self.maps.place_distance(relief, face.options().method);
+        let walk = self.maps.place_walk(relief, face.options().method);
         let number = (self.faces.len() / FACE_WORDS) as u32;
-        records::write_face(&mut self.faces, face, (place, distance), anchor);
+        records::write_face(&mut self.faces, face, (place, walk), anchor);
         SurfaceRecord::face(number)
     }
 
@@ -131,9 +128,7 @@ impl<'a> Upload<'a> {
     fn relief_sphere(&mut self, sphere: &'a ReliefSphere, anchor: DVec3) -> SurfaceRecord {
         let first = (self.faces.len() / FACE_WORDS) as u32;
         for face in CubeFace::ALL {
-            let relief = sphere.relief().face(face);
-            let place = self.maps.place(relief);
-            records::write_map_alone(&mut self.faces, relief, place);
+            self.map_alone(sphere.relief().face(face));
         }
         self.maps.add_walks(Walks { spheres: true, ..Walks::default() });
         let place = self.numbers.len() as u32;
@@ -147,17 +142,40 @@ impl<'a> Upload<'a> {
         if items.is_empty() {
             return SurfaceRecord::nothing();
         }
-        let face = (self.faces.len() / FACE_WORDS) as u32;
-        let map = self.maps.place(mesh.relief());
+        let face = self.map_alone(mesh.relief());
         self.maps.add_walks(Walks { meshes: true, ..Walks::default() });
-        records::write_map_alone(&mut self.faces, mesh.relief(), map);
         let from_centre = anchor - mesh.frame().centre;
         let root =
             self.tree(&Bvh::build(&boxes, 1), from_centre, |_, leaf| [items[leaf[0] as usize], 1]);
-        let places = shells::write_parts(&mut self.numbers, mesh);
+        let cut = (self.nodes.len() / NODE_WORDS) as u32;
+        let Aabb { min, max } = mesh.frame().cut;
+        records::write_node(&mut self.nodes, (min - from_centre, max - from_centre), [0, 0]);
+        let beside = self.beside(mesh);
+        let places = shells::write_parts(&mut self.numbers, mesh, &beside);
         let place = self.numbers.len() as u32;
-        shells::write_mesh(&mut self.numbers, mesh, anchor, (places, face, root));
+        shells::write_mesh(&mut self.numbers, mesh, anchor, (places, face, [root, cut]));
         SurfaceRecord::relief_mesh(place)
+    }
+
+    /// What walls of a mesh show of other parts: where each is told of, by its number.
+    fn beside(&mut self, mesh: &'a ReliefMesh) -> HashMap<u32, u32> {
+        let mut places = HashMap::new();
+        for part in mesh.walls().filter_map(|wall| wall.beside) {
+            if places.contains_key(&part) {
+                continue;
+            }
+            let Some(beside) = mesh.beside(part) else { continue };
+            let face = self.map_alone(beside.relief);
+            places.insert(part, shells::write_beside(&mut self.numbers, &beside, face));
+        }
+        places
+    }
+
+    /// The number in `faces` of a map that is no face's.
+    fn map_alone(&mut self, relief: &'a Relief) -> u32 {
+        let place = self.maps.place(relief);
+        records::write_map_alone(&mut self.faces, relief, place);
+        (self.faces.len() / FACE_WORDS) as u32 - 1
     }
 
     fn sphere(&mut self, sphere: &Sphere, anchor: DVec3) -> SurfaceRecord {

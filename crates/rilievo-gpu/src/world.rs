@@ -49,6 +49,24 @@ pub struct GpuWorld<'a> {
     dispatch: AtomicU32,
 }
 
+/// What a ray is answered by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// The record of its nearest hit.
+    Nearest,
+    /// One word: whether it meets anything.
+    Whether,
+}
+
+impl Answer {
+    fn words(self) -> usize {
+        match self {
+            Self::Nearest => HIT_WORDS,
+            Self::Whether => 1,
+        }
+    }
+}
+
 /// Heights and bounds on a GPU, of the maps of a world.
 pub struct GpuMaps(Maps);
 
@@ -91,8 +109,7 @@ impl<'a> GpuWorld<'a> {
     /// Brings the surfaces of a world to a GPU: heights and pyramids, each map once.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for a surface that moves and for method `march`; otherwise as the
-    /// device says.
+    /// [`GpuError::Unsupported`] for a surface that moves; otherwise as the device says.
     pub fn new(gpu: &'a Gpu, world: &'a World) -> Result<Self, GpuError> {
         let anchor = anchor_of(world);
         let words = Upload::new(world, anchor)?;
@@ -175,8 +192,8 @@ impl<'a> GpuWorld<'a> {
     pub fn closest(&self, rays: &[Ray]) -> Result<Vec<Traced>, GpuError> {
         let mut found = Vec::with_capacity(rays.len());
         for rays in rays.chunks(BATCH) {
-            let words =
-                self.trace(rays, |words, ray| records::write_ray(words, ray, self.anchor))?;
+            let write = |words: &mut _, ray: &_| records::write_ray(words, ray, self.anchor);
+            let words = self.trace(rays, write, Answer::Nearest)?;
             let hits = words.par_chunks_exact(HIT_WORDS).map(HitRecord);
             let answer = |(ray, record)| self.answer(ray, &record);
             found.par_extend(rays.par_iter().zip(hits).map(answer));
@@ -193,9 +210,8 @@ impl<'a> GpuWorld<'a> {
         let mut found = Vec::with_capacity(rays.len());
         for rays in rays.chunks(BATCH) {
             let write = |words: &mut _, ray: &_| records::write_shadow_ray(words, ray, self.anchor);
-            let words = self.trace(rays, write)?;
-            let hits = words.par_chunks_exact(HIT_WORDS).map(HitRecord);
-            found.par_extend(hits.map(|record| record.surface().is_some()));
+            let words = self.trace(rays, write, Answer::Whether)?;
+            found.extend(words.into_iter().map(|met| met != 0));
         }
         Ok(found)
     }
@@ -214,11 +230,12 @@ impl<'a> GpuWorld<'a> {
         Traced { hit, work: u64::from(record.steps()) }
     }
 
-    /// The records of what at most [`BATCH`] rays hit, given how one is written.
+    /// The answers to at most [`BATCH`] rays, given how one is written.
     fn trace<R: Sync>(
         &self,
         rays: &[R],
         write: impl Fn(&mut Vec<u32>, &R) + Sync,
+        answer: Answer,
     ) -> Result<Vec<u32>, GpuError> {
         let gpu = self.gpu;
         let written = rays.par_chunks(CHUNK).map(|rays| {
@@ -228,7 +245,7 @@ impl<'a> GpuWorld<'a> {
         });
         let words = written.collect::<Vec<_>>().concat();
         let rays_buffer = gpu.upload("rays", bytemuck::cast_slice(&words))?;
-        let bytes = (rays.len() * HIT_WORDS * 4) as u64;
+        let bytes = (rays.len() * answer.words() * 4) as u64;
         let hits = gpu.allocate("hits", bytes, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = gpu.allocate("hits", bytes, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let pipeline = gpu.pipeline(self.maps.closest(), self.maps.pages());
@@ -237,7 +254,7 @@ impl<'a> GpuWorld<'a> {
         let mut first = 0;
         while first < count {
             let end = count.min(first + self.dispatch.load(Ordering::Relaxed));
-            self.dispatch(&pipeline, &groups, first..end)?;
+            self.dispatch(&pipeline, &groups, first..end, answer)?;
             first = end;
         }
         let mut commands = gpu.device.create_command_encoder(&Default::default());
@@ -271,9 +288,10 @@ impl<'a> GpuWorld<'a> {
         groups
     }
 
-    /// Tells the next dispatch its rays.
-    pub(crate) fn set_params(&self, rays: Range<u32>) {
-        let params = [0, rays.start, rays.end, self.surfaces];
+    /// Tells the next dispatch its rays and what is asked of them.
+    pub(crate) fn set_params(&self, rays: Range<u32>, answer: Answer) {
+        let whether = u32::from(answer == Answer::Whether);
+        let params = [whether, rays.start, rays.end, self.surfaces];
         self.gpu.queue.write_buffer(&self.params, 0, bytemuck::cast_slice(&params));
     }
 
@@ -295,9 +313,10 @@ impl<'a> GpuWorld<'a> {
         pipeline: &wgpu::ComputePipeline,
         groups: &[wgpu::BindGroup],
         rays: Range<u32>,
+        answer: Answer,
     ) -> Result<(), GpuError> {
         let gpu = self.gpu;
-        self.set_params(rays.clone());
+        self.set_params(rays.clone(), answer);
         let mut commands = gpu.device.create_command_encoder(&Default::default());
         let mut pass = commands.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);

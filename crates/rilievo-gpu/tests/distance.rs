@@ -1,13 +1,15 @@
-//! Distance maps on a GPU: the exact methods beside the pyramid on the same GPU, bit for bit, and the paper's own
-//! beside the CPU's. Without an adapter nothing is tried, and stderr says so. `RILIEVO_RAYS` sets the rays a scene,
+//! Distance maps on a GPU: the exact methods beside the pyramid on the same GPU, bit for bit, and the approximate ones, the
+//! paper's own and fixed steps, beside the CPU's. Without an adapter nothing is tried, and stderr says so. `RILIEVO_RAYS` sets the rays a scene,
 //! `RILIEVO_STEP` = n takes every n-th of the scenes only.
 
 use std::io::Write;
+use std::sync::Arc;
 
 use rilievo::Ray;
-use rilievo::relief::Method;
+use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, RowMut};
+use rilievo::relief::{Method, Relief};
 use rilievo::surface::{Surface, World};
-use rilievo_gpu::{Gpu, GpuWorld};
+use rilievo_gpu::{Gpu, GpuWorld, MapEdit};
 use rilievo_render::Traced;
 use rilievo_tests::conformance::Plan;
 use rilievo_tests::kernel;
@@ -68,36 +70,98 @@ fn exact_walks_by_distance_hit_what_the_pyramid_hits_bit_for_bit() {
 }
 
 #[test]
-fn the_published_method_misses_as_often_as_on_the_cpu() {
+fn after_an_edit_distances_are_those_of_a_new_world() {
     let Some(gpu) = gpu() else { return };
+    let scene = scenes::named("fbm 64");
+    let face = kernel::face(&scene, Method::Distance);
+    let first = World::new(vec![face.clone().into()]);
+    let oracle = scene.oracle();
+    let rays: Vec<Ray> =
+        (0..300).map(|k| Family::ALL[0].ray(&oracle, &mut Random::new(&[13, k]))).collect();
+    let before = on_gpu(&gpu, &first, &rays);
+    let maps = GpuWorld::new(&gpu, &first).expect("a face can be traced").into_maps();
+    let mut relief = Relief::clone(face.relief());
+    let options = |map: &DistanceMap| DistanceOptions {
+        size: map.size(),
+        metric: map.metric(),
+        bits: map.codes().bits(),
+    };
+    let options = options(relief.distance(DistanceKind::Boxes).expect("it is walked"));
+    let samples = [8..40, 3..50];
+    let halve = |_: u32, row: RowMut<'_>| match row {
+        RowMut::U16(row) => row.iter_mut().for_each(|h| *h /= 2),
+        RowMut::F32(row) => row.iter_mut().for_each(|h| *h *= 0.5),
+    };
+    relief.edit(samples.clone(), halve).expect("inside");
+    let map = gpu.box_distances(relief.heights(), &options).expect("made");
+    let relief = Arc::new(relief.with_distance(map).expect("it fits"));
+    let after = World::new(vec![face.with_relief(Arc::clone(&relief)).expect("it fits").into()]);
+    let edit = MapEdit { relief: &relief, samples };
+    let edited = GpuWorld::edited(&gpu, &after, maps, &[edit]).expect("edited");
+    let found = edited.closest(&rays).expect("traced");
+    assert_eq!(found, on_gpu(&gpu, &after, &rays));
+    let changed = before.iter().zip(&found).filter(|(a, b)| a.hit != b.hit).count();
+    assert!(changed > 30, "{changed}");
+}
+
+/// How an approximate method fares on both.
+#[derive(Debug, Default)]
+struct Approximate {
+    count: u64,
+    /// Both answer alike, points up to a share of the distance.
+    same: u64,
+    /// Missed on the CPU and on the GPU.
+    missed: [u64; 2],
+    steps: f64,
+}
+
+fn approximate(gpu: &Gpu, method: Method, tolerance: f64) -> Approximate {
     let plan = Plan::new(scenes::all().into_iter().step_by(4).collect(), 144);
-    let (mut count, mut same, mut missed, mut steps) = (0, 0, [0, 0], 0.0);
+    let mut tally = Approximate::default();
     for (index, scene) in (0..).zip(&plan.scenes) {
         let exact = world(scene, Method::Pyramid);
-        let published = world(scene, Method::DistancePublished);
+        let own = world(scene, method);
         let rays = rays(&plan, scene, &exact, index);
-        let found = on_gpu(&gpu, &published, &rays);
-        steps += steps_a_ray(&found) * rays.len() as f64;
+        let found = on_gpu(gpu, &own, &rays);
+        tally.steps += steps_a_ray(&found) * rays.len() as f64;
         for (ray, found) in rays.iter().zip(&found) {
-            let cpu = published.closest(ray, &mut ());
+            let cpu = own.closest(ray, &mut ());
             let should = exact.closest(ray, &mut ()).is_some();
-            missed[0] += u64::from(should && cpu.is_none());
-            missed[1] += u64::from(should && found.hit.is_none());
-            let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (1.0 + a.abs());
-            same += u64::from(match (cpu, found.hit) {
+            tally.missed[0] += u64::from(should && cpu.is_none());
+            tally.missed[1] += u64::from(should && found.hit.is_none());
+            let near = |a: f64, b: f64| (a - b).abs() <= tolerance * (1.0 + a.abs());
+            tally.same += u64::from(match (cpu, found.hit) {
                 (None, None) => true,
                 (Some(a), Some(b)) => near(a.t, b.t) && a.front == b.front,
                 _ => false,
             });
-            count += 1;
+            tally.count += 1;
         }
     }
-    let [cpu, gpu] = missed;
+    let Approximate { count, same, missed: [cpu, gpu], steps } = tally;
     let _ = writeln!(
         std::io::stderr(),
-        "{count} rays: {cpu} missed on the CPU, {gpu} on the GPU, {same} alike, {:.1} steps a ray",
-        steps / f64::from(count as u32),
+        "{method}, {count} rays: {cpu} missed on the CPU, {gpu} on the GPU, {same} alike, {:.1} steps a ray",
+        steps / count as f64,
     );
+    tally
+}
+
+#[test]
+fn the_published_method_misses_as_often_as_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let Approximate { count, same, missed: [cpu, gpu], .. } =
+        approximate(&gpu, Method::DistancePublished, 1e-3);
     assert!(same * 100 >= count * 98, "{same} of {count} alike");
     assert!(cpu.abs_diff(gpu) * 20 <= cpu.max(40), "{cpu} and {gpu} missed");
+}
+
+/// Where a ray ends is a float on both, whose last place may differ, and with it the length of all steps.
+#[test]
+fn fixed_steps_meet_what_they_meet_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let Approximate { count, same, missed: [cpu, gpu], .. } =
+        approximate(&gpu, Method::March, 1e-6);
+    assert!(same * 100 >= count * 97, "{same} of {count} alike");
+    assert!(cpu.abs_diff(gpu) * 1000 <= count, "{cpu} and {gpu} missed");
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rilievo::glam::{DAffine3, DQuat, DVec3};
 use rilievo::map::{Layout, RowMut};
 use rilievo::relief::{Displacement, MeshOptions, Method, Relief, ReliefMesh};
-use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
+use rilievo::surface::{Instance, Motion, MovingInstance, Quad, Sphere, Surface, World};
 use rilievo::{Hit, Part, Ray, SimdLevel};
 use rilievo_gpu::{Gpu, GpuError, GpuWorld, MapEdit};
 use rilievo_render::ShadowRay;
@@ -207,8 +207,10 @@ fn what_the_shaders_do_not_know_is_named() {
     let face = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
     let instance = Instance::new(Arc::new(face.into()), DAffine3::IDENTITY).unwrap();
     assert!(GpuWorld::new(&gpu, &World::new(vec![instance.into()])).is_ok());
-    let marched = kernel::face(&scenes::named("fbm 64"), "march".parse().unwrap());
-    let error = GpuWorld::new(&gpu, &World::new(vec![marched.into()])).err().unwrap();
+    let face = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
+    let moving =
+        MovingInstance::new(Arc::new(face.into()), DAffine3::IDENTITY, Motion::along(DVec3::X));
+    let error = GpuWorld::new(&gpu, &World::new(vec![moving.unwrap().into()])).err().unwrap();
     assert!(matches!(&error, GpuError::Unsupported { .. }), "{error}");
-    assert!(error.to_string().contains("march") && error.to_string().contains("CPU"), "{error}");
+    assert!(error.to_string().contains("moves") && error.to_string().contains("CPU"), "{error}");
 }

@@ -43,7 +43,7 @@ fn expected(plan: &MapPlan<'_>) -> [Vec<u32>; 2] {
         bytes.resize(bytes.len().div_ceil(4) * 4, 0);
         heights.extend(bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
         let pyramid = Pyramid::build_as(relief.heights(), Layout::Default);
-        assert!(records::write_bounds(&mut bounds, shape.place.bounds, &pyramid));
+        assert!(bounds::write_bounds(&mut bounds, shape.place.bounds, &pyramid));
     }
     [heights, bounds]
 }

@@ -58,6 +58,15 @@ fn load_distance_map() {
     distance_map.columns = bound_word(at + 15u);
 }
 
+// Whether the face at hand is walked as the paper has it.
+fn walks_published() -> bool {
+    let at = faces[face].distance;
+    if at >= MARCHED {
+        return false;
+    }
+    return bound_word(at) == PUBLISHED;
+}
+
 fn code_at(voxel: vec3<u32>) -> f32 {
     let texel = vec3<u32>(voxel.xy, voxel.z + distance_map.slice);
     return f32(textureLoad(distances, vec3<i32>(texel), 0).x);

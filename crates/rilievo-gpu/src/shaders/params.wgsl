@@ -2,7 +2,8 @@
 // by field in this order.
 
 struct Params {
-    unused: u32,
+    // 1 where each ray is answered by one word, whether it meets anything; else by a `Hit`.
+    whether: u32,
     // First ray of this dispatch, and one past the last.
     first: u32,
     end: u32,
@@ -79,7 +80,7 @@ struct Face {
     heights: u32,
     bounds: u32,
     levels: u32,
-    // Where its distance map is told of in `bounds`, or NOTHING.
+    // Where its distance map is told of in `bounds`, or NOTHING, or MARCHED for fixed steps.
     distance: u32,
 }
 
@@ -109,6 +110,7 @@ struct Node {
 }
 
 const NOTHING: u32 = 0xffffffffu;
+const MARCHED: u32 = 0xfffffffeu;
 
 const FRONT: u32 = 1u;
 const WALL_SHIFT: u32 = 8u;
@@ -130,7 +132,7 @@ const MIRROR: u32 = 2u;
 
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
-@group(0) @binding(2) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(2) var<storage, read_write> hits: array<u32>;
 @group(0) @binding(3) var<storage, read> faces: array<Face>;
 @group(0) @binding(4) var<storage, read> surfaces: array<Surface>;
 @group(0) @binding(5) var<storage, read> nodes: array<Node>;

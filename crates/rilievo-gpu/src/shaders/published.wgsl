@@ -1,5 +1,5 @@
-// The twin of method `published` of `relief/approximate.rs`, in floats: the paper as it was. Steps by interpolated
-// distances, points of the ray against the surface, never the cells between; it misses.
+// The twin of method `published` of `relief/approximate.rs`, in floats (see `approximate`): the paper as it was, with steps
+// by interpolated distances.
 
 // See `PUBLISHED_STEPS` and `PUBLISHED_EPSILON` of the CPU.
 const PUBLISHED_STEPS: u32 = 256u;
@@ -94,23 +94,6 @@ fn march_published() -> LeafHit {
 
 // What the paper meets, as a hit of the face at hand, up to the ray's end.
 fn meet_published(t_max: Double, number: u32) -> Hit {
-    var hit: Hit;
-    hit.surface = NOTHING;
     let met = march_published();
-    if !met.found {
-        return hit;
-    }
-    let s = double(met.s);
-    for (var k = 0u; k < 2u; k++) {
-        let x = point_at(k, s);
-        hit.cell[k] = i32(floored(x));
-        hit.local[k] = difference(x, double(f32(hit.cell[k])));
-    }
-    hit.t = sum(exact.t_start, product(s, exact.t_length));
-    if below(t_max, hit.t) {
-        return hit;
-    }
-    hit.surface = number;
-    hit.part = select(0u, FRONT, met.from_above == has(RISES));
-    return hit;
+    return hit_at_point(PointHit(met.found, double(met.s), met.from_above), t_max, number);
 }

@@ -1,8 +1,6 @@
 // The twin of `map/pyramid/blocks.rs` and `map/pyramid/build.rs`: bounds from heights, and bounds from
 // bounds. One invocation makes one word of maxima and one of minima: two blocks side by side.
-//
-// Samples are compared as keys, whole numbers in the order of the samples, so that no device can flush,
-// fuse or round anything; only codes of floats need arithmetic, and comparisons prove what it gives.
+// Samples are compared as keys (`samples`); only codes of floats need arithmetic, and comparisons prove what it gives.
 
 // What one dispatch makes.
 struct Task {
@@ -53,35 +51,8 @@ fn store_pair(at: vec2<u32>, maxima: vec2<u32>, minima: vec2<u32>) {
     set_bound_word(task.minima + word, minima.x | (minima.y << 16u));
 }
 
-// The sample that a line of an axis shows.
-fn sample_of(axis: u32, line: u32) -> u32 {
-    let count = task.samples[axis];
-    if task.padded == 1u {
-        return min(max(line, 1u) - 1u, count - 1u);
-    }
-    return select(0u, line, line < count);
-}
-
-// The key of a float by its bits; both zeros have one.
-fn key_of_bits(bits: u32) -> u32 {
-    if (bits & 0x7fffffffu) == 0u {
-        return 0x80000000u;
-    }
-    return select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u);
-}
-
-// The key of a sample; codes are their own.
-fn key_of(i: u32, j: u32) -> u32 {
-    let at = j * task.samples.x + i;
-    if task.floats == 1u {
-        return key_of_bits(height_word(task.heights + at));
-    }
-    let pair = height_word(task.heights + (at >> 1u));
-    return select(pair & 0xffffu, pair >> 16u, (at & 1u) == 1u);
-}
-
 fn value_of(key: u32) -> f32 {
-    return bitcast<f32>(select(~key, key & 0x7fffffffu, (key >> 31u) == 1u));
+    return bitcast<f32>(bits_of(key));
 }
 
 // The key of a code's value.

@@ -4,18 +4,20 @@
 //! nearest to its middle, so all numbers are at most its own size; what a float rounds of that is
 //! added to the errors of its frame ([`FLOAT`]).
 
+use std::collections::HashMap;
+
 use rilievo::glam::DVec3;
-use rilievo::relief::{MeshFrame, MeshPrism, MeshWall, ReliefMesh};
+use rilievo::relief::{MeshBeside, MeshFrame, MeshPrism, MeshWall, ReliefMesh};
 
 use super::ROUNDING;
-use crate::records::Words;
+use crate::records::{NOTHING, Words};
 
 /// Words of a prism.
 const PRISM_WORDS: usize = 66;
 /// Words of a vertex.
 const VERTEX_WORDS: usize = 12;
 /// Words of a wall.
-const WALL_WORDS: usize = 24;
+const WALL_WORDS: usize = 25;
 
 /// Share of a prism's size that a path in floats is off by: 32 roundings.
 const FLOAT: f64 = 1.0 / (1 << 19) as f64;
@@ -40,8 +42,22 @@ pub(crate) struct MeshPlaces {
     walls: u32,
 }
 
-/// Appends vertices, prisms and walls.
-pub(crate) fn write_parts(words: &mut Vec<u32>, mesh: &ReliefMesh) -> MeshPlaces {
+/// Appends what another part of a joined mesh shows, with its map as that of face `face`; returns its place.
+pub(crate) fn write_beside(words: &mut Vec<u32>, beside: &MeshBeside<'_>, face: u32) -> u32 {
+    let place = words.len() as u32;
+    words.push(face);
+    words.float(beside.level);
+    words.double(beside.per_height);
+    words.double(beside.lift);
+    place
+}
+
+/// Appends vertices, prisms and walls; other parts that walls show lie at places by their number.
+pub(crate) fn write_parts(
+    words: &mut Vec<u32>,
+    mesh: &ReliefMesh,
+    beside: &HashMap<u32, u32>,
+) -> MeshPlaces {
     let vertices: Vec<[DVec3; 2]> = mesh.vertices().collect();
     let (prisms, walls) = (mesh.prisms(), mesh.walls());
     words.reserve(
@@ -52,18 +68,24 @@ pub(crate) fn write_parts(words: &mut Vec<u32>, mesh: &ReliefMesh) -> MeshPlaces
     let prisms_at = words.len() as u32;
     prisms.for_each(|prism| write_prism(words, &prism, &vertices));
     let walls_at = words.len() as u32;
-    walls.for_each(|wall| write_wall(words, &wall));
+    walls.for_each(|wall| {
+        write_wall(words, &wall);
+        let part = wall.beside.and_then(|part| beside.get(&part).copied());
+        words.push(part.unwrap_or(NOTHING));
+    });
     MeshPlaces { vertices: vertices_at, prisms: prisms_at, walls: walls_at }
 }
 
-/// Appends what holds for all of a mesh: its map is that of face `face`, its tree begins at `root`.
+/// Appends what holds for all of a mesh: its map is that of face `face`, its tree begins at `root`, rays are cut to the
+/// box of node `cut`.
 pub(crate) fn write_mesh(
     words: &mut Vec<u32>,
     mesh: &ReliefMesh,
     anchor: DVec3,
-    (places, face, root): (MeshPlaces, u32, u32),
+    (places, face, [root, cut]): (MeshPlaces, u32, [u32; 2]),
 ) {
-    let MeshFrame { centre, reach, level, half_range, base, height_slack, rises } = mesh.frame();
+    let MeshFrame { centre, reach, level, half_range, base, height_slack, rises, .. } =
+        mesh.frame();
     words.vector(centre - anchor);
     words.float(level);
     words.float(half_range as f32);
@@ -78,6 +100,7 @@ pub(crate) fn write_mesh(
     words.extend([face, places.vertices, places.prisms, places.walls]);
     words.extend([mesh.prisms().len() as u32, root]);
     words.float((SPARE * 64.0 * ROUNDING * reach) as f32);
+    words.push(cut);
 }
 
 fn write_prism(words: &mut Vec<u32>, prism: &MeshPrism, vertices: &[[DVec3; 2]]) {

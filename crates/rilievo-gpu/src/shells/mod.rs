@@ -6,7 +6,7 @@
 mod mesh;
 mod sphere;
 
-pub(crate) use mesh::{write_mesh, write_parts};
+pub(crate) use mesh::{write_beside, write_mesh, write_parts};
 pub(crate) use sphere::write_sphere;
 
 /// What a sum of a few doubles rounds, 2^-44 of it, where an `f64` rounds 2^-52.

@@ -4,6 +4,7 @@
 //! by at most 2e-6 radian. Without an adapter nothing is tried, and stderr says so. `RILIEVO_RAYS` sets the
 //! rays a scene, `RILIEVO_STEP` = n takes every n-th scene only.
 
+mod joined;
 mod meshes;
 mod pair;
 mod spheres;

@@ -14,7 +14,7 @@ mod statistics;
 pub(crate) use cube::direction as cube_direction;
 pub use cube::{CubeFace, CubeHeights, CubeHeightsError, CubeMipLevel, ResamplingError, Tiling};
 pub use distance::{
-    Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
+    BoxSteps, Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
     DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,
 };
 pub use height::{HeightMap, HeightMapError, RowMut, Samples};
@@ -26,6 +26,8 @@ pub use normal::{
 };
 pub use procedural::{Procedural, ProceduralError};
 
-pub use pyramid::{Code, Layout, Level, LevelBounds, Pyramid, PyramidViolation, UnknownLayout};
+pub use pyramid::{
+    Code, Layout, Level, LevelBounds, NodeRuns, Pyramid, PyramidViolation, UnknownLayout,
+};
 pub(crate) use pyramid::{NodeBounds, SideBounds};
 pub use statistics::{HeightStatistics, Seam};

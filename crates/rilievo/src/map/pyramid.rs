@@ -33,6 +33,7 @@ mod verify;
 use super::height::HeightMap;
 
 pub use code::Code;
+pub use edit::NodeRuns;
 pub use layout::{Layout, UnknownLayout};
 pub use level::{Level, LevelBounds};
 pub(crate) use level::{NodeBounds, SideBounds};

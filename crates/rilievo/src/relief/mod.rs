@@ -56,8 +56,8 @@ pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};
 pub use lattice_frame::LatticeFrame;
 pub use mesh::{
-    Edges, MeshCrossing, MeshFrame, MeshOptions, MeshPart, MeshPrism, MeshReport, MeshWall,
-    PrismFrame, ReliefMesh, ReliefMeshError, SeamSteps,
+    Edges, MeshBeside, MeshCrossing, MeshFrame, MeshOptions, MeshPart, MeshPrism, MeshReport,
+    MeshWall, PrismFrame, ReliefMesh, ReliefMeshError, SeamSteps,
 };
 pub use method::{Method, UnknownMethod};
 pub use options::{Displacement, FaceOptions, ShadingNormals};

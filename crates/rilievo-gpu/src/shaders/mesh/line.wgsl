@@ -31,7 +31,7 @@ var<private> mesh_start: f32;
 
 const VERTEX_WORDS: u32 = 12u;
 const PRISM_WORDS: u32 = 66u;
-const WALL_WORDS: u32 = 24u;
+const WALL_WORDS: u32 = 25u;
 
 fn float_at(place: u32) -> f32 {
     return bitcast<f32>(numbers[place]);
@@ -58,7 +58,8 @@ fn enter_mesh(source: Ray, place: u32, leaves: bool, slabs: SlabRay, t_max: Doub
     relief_mesh.walls = numbers[place + 16u];
     relief_mesh.count = numbers[place + 17u];
     relief_mesh.root = numbers[place + 18u];
-    mesh_start = max(entry(slabs, relief_mesh.root, next_up(t_max.x)), 0.0);
+    // The box of all parts that were joined: what is computed beside an edge is the same in both.
+    mesh_start = max(entry(slabs, numbers[place + 20u], next_up(t_max.x)), 0.0);
     for (var k = 0u; k < 3u; k++) {
         let start = difference(source.origin[k], number_at(place + 2u * k));
         mesh_origin[k] = sum(start, scaled(source.direction[k], mesh_start));

@@ -26,13 +26,30 @@ fn side_height(place: u32, s: Double) -> Double {
     return height_of(heights_over(unfolded_corners(cell)), at[0], at[1]);
 }
 
+// The height of the mesh that a side of an edge of another part shows, which is told of at a place of `numbers`.
+fn height_beside(part: u32, side: u32, s: Double) -> Double {
+    let own_face = face;
+    let own_level = relief_mesh.level;
+    face = numbers[part];
+    relief_mesh.level = float_at(part + 1u);
+    let height = side_height(side, s);
+    face = own_face;
+    relief_mesh.level = own_level;
+    return sum(product(height, number_at(part + 2u)), number_at(part + 4u));
+}
+
 // Heights of both sides of the wall at a place of `numbers`.
 fn wall_heights(place: u32, s: Double) -> array<Double, 2> {
     var heights: array<Double, 2>;
     heights[1] = relief_mesh.base;
-    let sides = 1u + numbers[place + 3u];
+    let own = 1u + numbers[place + 3u];
+    let beside = numbers[place + 24u];
+    let sides = select(own, 1u, beside != NOTHING);
     for (var k = 0u; k < sides; k++) {
         heights[k] = side_height(place + 4u + 10u * k, s);
+    }
+    if beside != NOTHING {
+        heights[1] = height_beside(beside, place + 14u, s);
     }
     return heights;
 }

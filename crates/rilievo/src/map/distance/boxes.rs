@@ -51,9 +51,9 @@ pub(super) struct Boxes {
     /// Scene units squared of one integer step.
     unit: f64,
     /// Its reciprocal.
-    per_unit: f64,
+    pub per_unit: f64,
     /// `wx^2` and `wy^2`, floored to steps.
-    weights: [f64; 2],
+    pub weights: [f64; 2],
     /// Height interval of each column.
     pub columns: Columns,
 }
@@ -61,15 +61,18 @@ pub(super) struct Boxes {
 impl Boxes {
     /// The columns of `heights` under a grid of `size` voxels.
     pub fn new(heights: &HeightMap, domain: &Domain, size: [u32; 3]) -> Self {
+        Self::over(domain, size, Columns::new(heights, [size[0], size[1]]))
+    }
+
+    /// The same over columns.
+    pub fn over(domain: &Domain, size: [u32; 3], columns: Columns) -> Self {
         let [x, y, z] = domain.extents();
         let unit = (x * x + y * y + z * z) / (1u64 << 50) as f64;
         let weight = |side: f64, n: u32| {
             let voxel = side / f64::from(n);
             (voxel * voxel / unit).floor()
         };
-        let [nx, ny] = [size[0], size[1]];
-        let columns = Columns::new(heights, [nx, ny]);
-        let weights = [weight(x, nx), weight(y, ny)];
+        let weights = [weight(x, size[0]), weight(y, size[1])];
         Self { domain: *domain, size, unit, per_unit: 1.0 / unit, weights, columns }
     }
 

@@ -25,6 +25,7 @@
 //! **Quantum.** Every column of the domain holds surface, so no point of it is farther from the
 //! surface than the domain is deep: quantum = depth / highest code, and nothing is clamped.
 
+mod box_steps;
 mod boxes;
 mod codes;
 mod columns;
@@ -40,6 +41,7 @@ mod published;
 mod transform;
 mod verify;
 
+pub use box_steps::BoxSteps;
 pub use codes::{Codes, DistanceBits};
 pub use exact::exact_distance;
 pub use parts::{DistanceKind, DistanceMapError, DistanceOptions, DistanceParts};

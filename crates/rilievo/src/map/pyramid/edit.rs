@@ -14,30 +14,31 @@ use super::level::{Level, Wide};
 use crate::map::height::{HeightMap, Samples};
 use crate::map::lattice::Axis;
 
-/// Nodes of one axis that are to be made anew: a run, and one at the far end that a wrap reaches.
-type Runs = [Range<u32>; 2];
-
-/// Level-0 nodes with a cell that touches a sample of `changed`, which is not empty.
-fn touched(axis: &Axis, changed: &Range<u32>) -> Runs {
-    let cells = axis.cells();
-    let (first, end, far) = if axis.first_cell() < 0 {
-        // Cell c joins samples c - 1 and c.
-        (changed.start, changed.end + 1, 0..0)
-    } else {
-        // Cell c joins samples c and c + 1, the last one of a wrap sample 0.
-        let wraps = cells == axis.samples() && changed.start == 0;
-        let far = if wraps { (cells - 1) / 16..cells.div_ceil(16) } else { 0..0 };
-        (changed.start.saturating_sub(1), changed.end.min(cells), far)
-    };
-    [first / 16..end.div_ceil(16), far]
-}
-
-/// Parents of nodes.
-fn parents(runs: &Runs) -> Runs {
-    runs.clone().map(|run| run.start / 4..run.end.div_ceil(4))
-}
+/// Nodes of one axis that are to be made anew: a run, and one at the far end that a wrap reaches. Either may be
+/// empty.
+pub type NodeRuns = [Range<u32>; 2];
 
 impl Pyramid {
+    /// The nodes of level 0 with a cell that touches a sample of `changed`, which is not empty, along an axis.
+    pub fn touched_nodes(axis: &Axis, changed: &Range<u32>) -> NodeRuns {
+        let cells = axis.cells();
+        let (first, end, far) = if axis.first_cell() < 0 {
+            // Cell c joins samples c - 1 and c.
+            (changed.start, changed.end + 1, 0..0)
+        } else {
+            // Cell c joins samples c and c + 1, the last one of a wrap sample 0.
+            let wraps = cells == axis.samples() && changed.start == 0;
+            let far = if wraps { (cells - 1) / 16..cells.div_ceil(16) } else { 0..0 };
+            (changed.start.saturating_sub(1), changed.end.min(cells), far)
+        };
+        [first / 16..end.div_ceil(16), far]
+    }
+
+    /// The nodes of the next level above nodes.
+    pub fn parent_nodes(runs: &NodeRuns) -> NodeRuns {
+        runs.clone().map(|run| run.start / 4..run.end.div_ceil(4))
+    }
+
     /// Follows an edit of `heights`: columns `x` and rows `y` may have changed since this was their
     /// pyramid, nothing else. Afterwards it equals a full build. It *is* one if the heights are
     /// floats and their range has changed, for then every code means something else.
@@ -56,14 +57,14 @@ impl Pyramid {
             *self = Self::build_as(heights, self.layout);
             return;
         }
-        let mut runs = [touched(heights.x(), &x), touched(heights.y(), &y)];
+        let mut runs = [Self::touched_nodes(heights.x(), &x), Self::touched_nodes(heights.y(), &y)];
         let code = self.code;
         match heights.samples() {
             Samples::U16(v) => update_ground(&mut self.levels[0], (heights, v), &code, &runs),
             Samples::F32(v) => update_ground(&mut self.levels[0], (heights, v), &code, &runs),
         }
         for upper in 1..self.levels.len() {
-            runs = [parents(&runs[0]), parents(&runs[1])];
+            runs = [Self::parent_nodes(&runs[0]), Self::parent_nodes(&runs[1])];
             let (below, above) = self.levels.split_at_mut(upper);
             let fine = &below[upper - 1];
             update_level(&mut above[0], &runs, |first, _| {
@@ -84,7 +85,7 @@ fn update_ground<S: Sample>(
     level: &mut Level,
     map: (&HeightMap, &[S]),
     code: &Code,
-    runs: &[Runs; 2],
+    runs: &[NodeRuns; 2],
 ) {
     update_level(level, runs, |first, count| {
         let mut blocks = Blocks::new(map, code, (first, count));
@@ -93,7 +94,7 @@ fn update_ground<S: Sample>(
 }
 
 /// Makes the nodes of `runs` anew: `columns` gives, for a run along x, what fills its rows.
-fn update_level<F>(level: &mut Level, runs: &[Runs; 2], columns: impl Fn(u32, usize) -> F)
+fn update_level<F>(level: &mut Level, runs: &[NodeRuns; 2], columns: impl Fn(u32, usize) -> F)
 where
     F: FnMut(u32, &mut [Wide], &mut [Wide]),
 {

@@ -60,7 +60,7 @@ use joined::{Neighbour, Whole};
 pub use matching::SeamSteps;
 use nearest::Candidate;
 pub use options::{Edges, MeshOptions, MeshReport, ReliefMeshError};
-pub use parts::{MeshFrame, MeshPrism, MeshWall, PrismFrame};
+pub use parts::{MeshBeside, MeshFrame, MeshPrism, MeshWall, PrismFrame};
 use prism::{Prism, Shape};
 use vertices::{Offsets, Vertex};
 use wall::{Side, Wall};

@@ -1,4 +1,4 @@
-//! [`MeshFrame`], [`MeshPrism`], [`PrismFrame`] and [`MeshWall`]: what another backend needs to trace a displaced mesh as
+//! [`MeshFrame`], [`MeshPrism`], [`PrismFrame`], [`MeshWall`] and [`MeshBeside`]: what another backend needs to trace a displaced mesh as
 //! the CPU does, and how it turns a crossing that it found into a [`Hit`].
 
 use glam::{DMat3, DVec2, DVec3};
@@ -7,6 +7,8 @@ use crate::accel::Aabb;
 use crate::hit::Hit;
 use crate::ray::Ray;
 
+use super::super::Relief;
+use super::joined::Neighbour;
 use super::nearest::Candidate;
 use super::prism::{Prism, Shape};
 use super::wall::Side;
@@ -29,6 +31,8 @@ pub struct MeshFrame {
     pub height_slack: f64,
     /// Whether larger raw heights lie farther along the normal.
     pub rises: bool,
+    /// The box that rays are cut to, from the centre: that of all parts that were joined.
+    pub cut: Aabb,
 }
 
 /// A base triangle made ready for rays. Lattice coordinates are unfolded, heights are over the level.
@@ -90,6 +94,22 @@ pub struct MeshWall {
     pub first: [[f64; 2]; 3],
     /// The same of the second side; nothing at a border, where the wall goes down to the base.
     pub second: Option<[[f64; 2]; 3]>,
+    /// The part whose map the second side shows, if it is not the mesh's own; see [`ReliefMesh::beside`].
+    pub beside: Option<u32>,
+}
+
+/// What another part of a joined mesh shows: a raw height of its map lies at the mesh's own height
+/// `(raw - level) per_height + lift` over the mesh's own level.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshBeside<'a> {
+    /// Its map.
+    pub relief: &'a Relief,
+    /// Its raw heights are counted from here.
+    pub level: f32,
+    /// Heights of the mesh that one of its own is.
+    pub per_height: f64,
+    /// Height of the mesh at which its level lies.
+    pub lift: f64,
 }
 
 impl ReliefMesh {
@@ -103,6 +123,7 @@ impl ReliefMesh {
             base: self.offsets.base(),
             height_slack: self.height_slack,
             rises: self.offsets.unit > 0.0,
+            cut: self.cut,
         }
     }
 
@@ -139,12 +160,20 @@ impl ReliefMesh {
             triangle: wall.triangle,
             first: shown(&wall.first),
             second: wall.second.as_ref().map(shown),
+            beside: wall.neighbour,
         })
     }
 
-    /// Whether walls go down to the maps of other parts of a joined mesh.
-    pub fn shows_other_parts(&self) -> bool {
-        self.walls.iter().any(|wall| wall.neighbour.is_some())
+    /// What another part shows that walls of this one go down to; nothing of a part that no wall
+    /// shows, or that is not displaced.
+    pub fn beside(&self, part: u32) -> Option<MeshBeside<'_>> {
+        let Neighbour { relief, offsets } = self.neighbours.get(part as usize)?.as_ref()?;
+        Some(MeshBeside {
+            relief,
+            level: offsets.level,
+            per_height: offsets.unit / self.offsets.unit,
+            lift: self.offsets.height(offsets.lift),
+        })
     }
 
     /// What a ray may meet, prisms by their number and walls after all prisms, in boxes relative to the
