@@ -111,6 +111,38 @@ fn raw_samples_are_as_their_header_says() {
             HeightOptions::default().read(&path, &Limits::default()).unwrap_err().to_string();
         assert!(error.contains(want), "{text}: {error}");
     }
+    // The fuzz target's seeds, as the target reads them: a header, a zero, the samples.
+    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds/raw_file");
+    let limits = Limits { max_bytes: 1 << 20 };
+    for (name, want) in [
+        ("signed", None),
+        ("floats", Some("finite numbers")),
+        ("codes", None),
+        ("flat_cells", None),
+        ("huge", Some("needs")),
+        ("wide", Some("needs")),
+        ("short", Some("row 2")),
+        ("skipped", Some("row 0")),
+        ("bands", Some("NBANDS: 3")),
+        ("bits", Some("of 4 bits")),
+        ("all_void", Some("nothing but samples")),
+        ("no_place", Some("XDIM: 1e999")),
+        ("no_header", Some("NCOLS: missing")),
+        ("letters", Some("NROWS: two")),
+        ("endless_line", Some("NCOLS: 333")),
+    ] {
+        let seed = fs::read(seeds.join(name)).unwrap();
+        let end = seed.iter().position(|&byte| byte == 0).unwrap();
+        write(dir.path(), "a.hdr", &seed[..end]);
+        let path = write(dir.path(), "a.bil", &seed[end + 1..]);
+        match (HeightOptions::default().read(&path, &limits), want) {
+            (Ok(map), None) => assert!(map.height_at(0.3, 0.7).is_finite(), "{name}"),
+            (Err(error), Some(want)) => {
+                assert!(error.to_string().contains(want), "{name}: {error}");
+            }
+            (found, _) => panic!("{name}: {found:?}"),
+        }
+    }
     fs::remove_file(dir.path().join("a.hdr")).unwrap();
     assert!(HeightOptions::default().read(&path, &Limits::default()).is_err());
 }
