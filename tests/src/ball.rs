@@ -5,7 +5,7 @@
 //! in `o`; on a sphere a cell is, for one `Z`, a square, and scales with `Z`. A ball that holds the eight holds the
 //! cell; it is made larger by a thousandth of itself and by far more than coordinates are rounded. A line that
 //! passes the ball does not meet the cell. Balls make a plain list: no bound of many cells is trusted but that of a whole base
-//! triangle, which is made in the same way.
+//! triangle, and of 8 x 8 cells of a sphere, which are made in the same way: a square too, at its smallest and largest `Z`.
 
 use glam::{DVec2, DVec3};
 use rilievo::Ray;
@@ -22,7 +22,12 @@ impl Ball {
     pub fn around(points: &[DVec3]) -> Self {
         let centre = points.iter().sum::<DVec3>() / points.len() as f64;
         let farthest = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        Self { centre, radius: 1.001 * farthest + 1e-12 * centre.abs().max_element() }
+        Self::of(centre, farthest)
+    }
+
+    /// By centre and radius, with room for rounding.
+    pub fn of(centre: DVec3, radius: f64) -> Self {
+        Self { centre, radius: 1.001 * radius + 1e-12 * centre.abs().max_element() }
     }
 }
 

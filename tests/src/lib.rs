@@ -18,3 +18,4 @@ pub mod random;
 pub mod rays;
 pub mod scenes;
 pub mod sphere;
+pub mod world_oracle;

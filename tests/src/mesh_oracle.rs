@@ -134,6 +134,15 @@ impl<'a> MeshOracle<'a> {
         oracle
     }
 
+    /// A ball that holds it, walls included.
+    pub fn around(&self) -> Ball {
+        let (low, high) = self.map.raw_range();
+        let offsets = [self.offset(f64::from(low)), 0.0, self.offset(f64::from(high))];
+        let corners = self.triangles.iter().flat_map(|t| t.corners.into_iter().zip(t.normals));
+        let points: Vec<_> = corners.flat_map(|(p, n)| offsets.map(|o| p + o * n)).collect();
+        Ball::around(&points)
+    }
+
     fn offset(&self, raw: f64) -> f64 {
         self.displacement.scale * (raw * self.map.unit() - self.displacement.zero)
     }

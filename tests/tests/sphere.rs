@@ -176,12 +176,7 @@ fn crossings_alternate_and_their_number_is_even() {
 }
 
 /// What the judge says of a ray spawned on the surface, if its start is `lift` radii off it.
-fn lifted(
-    oracle: &SphereOracle<'_>,
-    scene: &SphereScene,
-    ray: &Ray,
-    lift: f64,
-) -> Option<SphereHit> {
+fn lifted(oracle: &SphereOracle, scene: &SphereScene, ray: &Ray, lift: f64) -> Option<SphereHit> {
     let outwards = if ray.from.is_some_and(|from| from.front) { lift } else { -lift };
     let origin = ray.origin + outwards * (ray.origin - scene.center);
     oracle.closest(&Ray { origin, from: None, ..*ray }, 0.0)

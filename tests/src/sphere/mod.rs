@@ -39,7 +39,7 @@ pub struct SphereScene {
 
 impl SphereScene {
     /// The judge of this scene.
-    pub fn oracle(&self) -> SphereOracle<'_> {
+    pub fn oracle(&self) -> SphereOracle {
         SphereOracle::new(self)
     }
 

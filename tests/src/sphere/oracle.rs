@@ -1,4 +1,4 @@
-//! The judge of displaced spheres: `f64`, every cell of all six faces, no hierarchy.
+//! The judge of displaced spheres: `f64`, every cell of all six faces in plain lists of 8 x 8.
 //!
 //! Nothing is shared with the library but the resampled heights. The judge stays in world space: with
 //! `U = (X - a_i Z) / c` and `V = (Y - b_j Z) / c` in the frame of a face, a cell of size `c` is the part
@@ -12,12 +12,16 @@
 //! a ray: a quadratic in its parameter. No projective parameter, no line of the lattice, no clip.
 
 use glam::DVec3;
-use rilievo::map::CubeFace;
+use rilievo::map::{CubeFace, HeightMap};
+use rilievo::relief::Displacement;
 use rilievo::{Hit, Ray};
 
 use super::SphereScene;
 use crate::ball::{Ball, Line};
 use crate::nudge::nudged;
+
+/// Cells along a side of what one ball holds.
+const BLOCK: u32 = 8;
 
 /// The answer of the judge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,67 +42,138 @@ struct Cell {
     quadric: [f64; 4],
 }
 
-/// A displaced sphere to be judged by.
-pub struct SphereOracle<'a> {
-    scene: &'a SphereScene,
-    cells: Vec<Cell>,
-    /// One a cell, about the centre: what it shows is in the convex hull of its corners at its smallest and at
+/// Up to [`BLOCK`] x [`BLOCK`] cells: their face and the first of them.
+struct Block {
+    face: CubeFace,
+    first: [u32; 2],
+    /// About the centre: what the cells show is in the convex hull of the block's corners at its smallest and at
     /// its largest `1 / Z`.
-    balls: Vec<Ball>,
+    ball: Ball,
+}
+
+/// A displaced sphere to be judged by.
+pub struct SphereOracle {
+    center: DVec3,
+    radius: f64,
+    largest: f64,
+    /// Cells along a face.
+    cells: u32,
+    /// `q` at the lattice points of all faces.
+    lattice: Vec<f64>,
+    blocks: Vec<Block>,
     /// Size of a cell.
     step: f64,
 }
 
-impl<'a> SphereOracle<'a> {
+impl SphereOracle {
     /// The sphere of a scene.
-    pub fn new(scene: &'a SphereScene) -> Self {
-        let n = scene.heights.cells();
-        let step = 2.0 / f64::from(n);
-        let (mut cells, mut balls) = (Vec::new(), Vec::new());
-        for face in CubeFace::ALL {
-            let map = scene.heights.face(face);
-            let q = |i: u32, j: u32| {
-                let (a, b) = (f64::from(i) * step - 1.0, f64::from(j) * step - 1.0);
-                let height = f64::from(map.raw(i, j)) * map.unit();
-                let offset = scene.displacement.scale * (height - scene.displacement.zero);
-                (1.0 + a * a + b * b).sqrt() / (scene.radius + offset)
-            };
-            for j in 0..n {
-                for i in 0..n {
-                    let [q00, q10, q01, q11] = [q(i, j), q(i + 1, j), q(i, j + 1), q(i + 1, j + 1)];
-                    let quadric = [q00, q10 - q00, q01 - q00, (q11 - q10) - (q01 - q00)];
-                    let corner = [i, j].map(|k| f64::from(k) * step - 1.0);
-                    let ends = [q00.min(q10).min(q01).min(q11), q00.max(q10).max(q01).max(q11)];
-                    let corners = [[0.0, 0.0], [step, 0.0], [0.0, step], [step, step]];
-                    let points = corners.map(|[x, y]| {
-                        ends.map(|q| face.from_frame([corner[0] + x, corner[1] + y, 1.0]) / q)
-                    });
-                    balls.push(Ball::around(points.as_flattened()));
-                    cells.push(Cell { face, corner, quadric });
+    pub fn new(scene: &SphereScene) -> Self {
+        let faces = CubeFace::ALL.map(|face| scene.heights.face(face));
+        Self::of(faces, (scene.center, scene.radius), scene.displacement)
+    }
+
+    /// A sphere by its faces' maps in the order of [`CubeFace::ALL`], its centre and radius, and how the maps count.
+    pub fn of(
+        faces: [&HeightMap; 6],
+        (center, radius): (DVec3, f64),
+        displacement: Displacement,
+    ) -> Self {
+        let cells = faces[0].x().cells();
+        let step = 2.0 / f64::from(cells);
+        let at = |k: u32| f64::from(k) * step - 1.0;
+        let mut largest = 0.0f64;
+        let mut lattice = Vec::with_capacity(6 * (cells as usize + 1).pow(2));
+        for map in faces {
+            for j in 0..=cells {
+                for i in 0..=cells {
+                    let (a, b) = (at(i), at(j));
+                    let height = f64::from(map.raw(i, j)) * map.unit();
+                    let distance = radius + displacement.scale * (height - displacement.zero);
+                    largest = largest.max(distance);
+                    lattice.push((1.0 + a * a + b * b).sqrt() / distance);
                 }
             }
         }
-        Self { scene, cells, balls, step }
+        let mut oracle = Self { center, radius, largest, cells, lattice, blocks: Vec::new(), step };
+        let starts = || (0..cells).step_by(BLOCK as usize);
+        oracle.blocks = CubeFace::ALL
+            .into_iter()
+            .flat_map(|face| starts().flat_map(move |j| starts().map(move |i| (face, [i, j]))))
+            .map(|(face, first)| Block { face, first, ball: oracle.ball(face, first) })
+            .collect();
+        oracle
+    }
+
+    /// `q` at a lattice point of a face.
+    fn q(&self, face: CubeFace, [i, j]: [u32; 2]) -> f64 {
+        let side = self.cells as usize + 1;
+        self.lattice[(face.index() * side + j as usize) * side + i as usize]
+    }
+
+    /// A lattice coordinate as a direction's.
+    fn at(&self, k: u32) -> f64 {
+        f64::from(k) * self.step - 1.0
+    }
+
+    /// One past the last cell of a block that begins with this one.
+    fn end(&self, first: u32) -> u32 {
+        (first + BLOCK).min(self.cells)
+    }
+
+    /// Around all that a block shows.
+    fn ball(&self, face: CubeFace, first: [u32; 2]) -> Ball {
+        let end = first.map(|k| self.end(k));
+        let mut range = [f64::INFINITY, 0.0f64];
+        for j in first[1]..=end[1] {
+            for i in first[0]..=end[0] {
+                let q = self.q(face, [i, j]);
+                range = [range[0].min(q), range[1].max(q)];
+            }
+        }
+        let corners = [first, [end[0], first[1]], [first[0], end[1]], end];
+        let points =
+            corners.map(|[i, j]| range.map(|q| face.from_frame([self.at(i), self.at(j), 1.0]) / q));
+        Ball::around(points.as_flattened())
+    }
+
+    fn cell(&self, face: CubeFace, [i, j]: [u32; 2]) -> Cell {
+        let [q00, q10, q01, q11] =
+            [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(|point| self.q(face, point));
+        let quadric = [q00, q10 - q00, q01 - q00, (q11 - q10) - (q01 - q00)];
+        Cell { face, corner: [self.at(i), self.at(j)], quadric }
+    }
+
+    /// The cells of a block.
+    fn cells_of(&self, block: &Block) -> impl Iterator<Item = Cell> {
+        let Block { face, first: [i, j], .. } = *block;
+        let rows = j..self.end(j);
+        rows.flat_map(move |j| (i..self.end(i)).map(move |i| self.cell(face, [i, j])))
+    }
+
+    /// A ball that holds it.
+    pub fn around(&self) -> Ball {
+        Ball::of(self.center, self.largest)
     }
 
     /// What distances are measured by: the radius, and how exactly `f64` can name a point there.
     pub fn tolerance(&self) -> f64 {
-        1e-9 * self.scene.radius + 1e-12 * self.scene.center.length()
+        1e-9 * self.radius + 1e-12 * self.center.length()
     }
 
     /// The nearest meeting with `after < t <= t_max`. The ray's `from` is not looked at.
     pub fn closest(&self, ray: &Ray, after: f64) -> Option<SphereHit> {
         // From the point nearest to the centre, so that far origins cost no digits.
         let direction = ray.direction;
-        let arm = ray.origin - self.scene.center;
+        let arm = ray.origin - self.center;
         let middle = -arm.dot(direction) / direction.length_squared();
         let near = arm + middle * direction;
         let range = [after - middle, ray.t_max - middle];
         let line = Line::of(&Ray::new(near, direction));
-        let cells = self.cells.iter().zip(&self.balls).filter(|(_, ball)| !line.misses(ball));
-        let hits = cells.filter_map(|(cell, _)| self.meet(cell, near, direction, range));
+        let blocks = self.blocks.iter().filter(|block| !line.misses(&block.ball));
+        let cells = blocks.flat_map(|block| self.cells_of(block));
+        let hits = cells.filter_map(|cell| self.meet(&cell, near, direction, range));
         let (e, front) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let position = self.scene.center + (near + e * direction);
+        let position = self.center + (near + e * direction);
         Some(SphereHit { t: middle + e, position, front })
     }
 
@@ -110,7 +185,7 @@ impl<'a> SphereOracle<'a> {
     /// Whether it is this judge's for some ray a nudge away.
     pub fn excuses(&self, answer: &Option<Hit>, ray: &Ray) -> bool {
         let towards = answer.map(|hit| hit.position - ray.origin);
-        let normal = ray.origin - self.scene.center;
+        let normal = ray.origin - self.center;
         nudged(ray.direction, towards, normal).any(|direction| {
             let judge = self.closest(&Ray { direction, ..*ray }, -1e-300);
             agree(answer, &judge, 1e4 * self.tolerance())

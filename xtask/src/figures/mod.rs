@@ -1,6 +1,6 @@
 //! `cargo xtask figures [--quick] [PART...]`: every picture and measured table under `docs`.
 //!
-//! Everything is asked of the released program, as a user would ask it; nothing here links the
+//! Everything but the part `gpu` is asked of the released program, as a user would ask it; nothing here links the
 //! libraries. Pictures go to `docs/figures`. Tables go between the marks
 //! `<!-- figures:NAME -->` and `<!-- /figures:NAME -->` of pages that are otherwise written by hand.
 //! What is needed on the way lies in `target/figures`.
@@ -13,6 +13,7 @@
 
 mod distance_times;
 mod gallery;
+mod gpu;
 mod heights;
 mod large_map;
 mod page;
@@ -45,6 +46,7 @@ const PARTS: &[Part] = &[
     Part { name: "gallery", draw: gallery::draw },
     Part { name: "distance-times", draw: distance_times::draw },
     Part { name: "large-map", draw: large_map::draw },
+    Part { name: "gpu", draw: gpu::draw },
 ];
 
 /// Draws the parts named in `words`, or all; says whether all went well.

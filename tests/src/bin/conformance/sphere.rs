@@ -22,7 +22,7 @@ pub fn jobs() -> Vec<Job> {
 }
 
 fn run(number: u64, scenes: &[SphereScene], record: &mut Record) -> std::io::Result<()> {
-    let spheres: Vec<(&SphereScene, Vec<Contender>, SphereOracle<'_>)> =
+    let spheres: Vec<(&SphereScene, Vec<Contender>, SphereOracle)> =
         scenes.iter().map(|scene| (scene, scene.contenders(), scene.oracle())).collect();
     record.judge(|k| {
         let (scene, contenders, oracle) = &spheres[k as usize % spheres.len()];
