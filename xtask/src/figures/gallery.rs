@@ -2,7 +2,7 @@
 
 use super::Studio;
 use super::paper::render;
-use super::program::Threads;
+use super::program::{Report, Threads};
 use super::table::{Table, mebibytes, seconds};
 
 /// The picture at the head of the README; drawn with more samples than the scene asks for.
@@ -19,11 +19,12 @@ const SCENES: &[(&str, &str, &str)] = &[
     ("earth", "earth/etopo20_metres_f32.exr", "384x384"),
     ("tiled_sphere", "roofing-tiles/RoofingTiles009_1K_Displacement.png", "384x384"),
     ("spot", "bark/Bark014_1K_Displacement.jpg", "384x384"),
+    ("rolling", "roofing-tiles/RoofingTiles009_1K_Displacement.png", "576x360"),
 ];
 
 /// Scenes of no map file, and the size of their pictures.
 const OTHERS: &[(&str, &str)] =
-    &[("rolling", "576x360"), ("field", "576x360"), ("materials", "640x360")];
+    &[("field", "576x360"), ("materials", "640x360"), ("sea", "640x320")];
 
 pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
     let mut gallery = Table::new(&[
@@ -47,39 +48,36 @@ pub fn draw(studio: &Studio<'_>) -> Result<(), String> {
         let map = studio.root.join("scenes/maps").join(map);
         let info = studio.program.call(Threads::All, &["info".into(), map])?;
         let samples = format!("{} x {}", info.number("width")?, info.number("height")?);
-        let of = |bytes: f64| mebibytes(bytes);
-        let heights = of(info.number("map_bytes")?);
-        let bounds = of(drawn.number("bounds_bytes")?);
-        let peak = of(drawn.number("peak_rss_bytes")?);
-        readme.row(vec![
-            scene.into(),
-            samples.clone(),
-            heights.clone(),
-            bounds.clone(),
-            peak.clone(),
-        ]);
-        gallery.row(vec![
-            scene.into(),
-            samples,
-            heights,
-            bounds,
-            of(drawn.number("map_bytes")?),
-            of(drawn.number("predicted_bytes")?),
-            peak,
-            seconds(drawn.number("render_cpu_seconds")?),
-        ]);
+        let row = [scene.to_owned(), samples, mebibytes(info.number("map_bytes")?)];
+        write_rows((&mut gallery, &mut readme), row, &drawn)?;
     }
     for &(scene, resolution) in OTHERS {
         let resolution = if studio.quick { "64x64" } else { resolution };
         let out = studio.picture(&format!("{scene}.png"));
-        render(studio, (scene, &out), &["--resolution", resolution])?;
+        let drawn = render(studio, (scene, &out), &["--resolution", resolution])?;
+        let info = studio.program.call(Threads::All, &["info".into(), studio.scene(scene)])?;
+        let row = [scene.to_owned(), info.map_sizes()?, "procedural".to_owned()];
+        write_rows((&mut gallery, &mut readme), row, &drawn)?;
     }
     let resolution = if studio.quick { "64x64" } else { "640x320" };
-    for (out, flags) in [("sea", None), ("sea-lod", Some("--lod"))] {
-        let out = studio.picture(&format!("{out}.png"));
-        let flags: Vec<&str> = ["--resolution", resolution].into_iter().chain(flags).collect();
-        render(studio, ("sea", &out), &flags)?;
-    }
+    let out = studio.picture("sea-lod.png");
+    render(studio, ("sea", &out), &["--resolution", resolution, "--lod"])?;
     studio.write("docs/gallery.md", "memory", &gallery.markdown())?;
     studio.write("README.md", "memory", &readme.markdown())
+}
+
+/// Writes a scene, the samples of its maps and the size of its map file, and what a render measured.
+fn write_rows(
+    (gallery, readme): (&mut Table, &mut Table),
+    [scene, samples, heights]: [String; 3],
+    drawn: &Report,
+) -> Result<(), String> {
+    let bytes = |key: &str| drawn.number(key).map(mebibytes);
+    let (bounds, peak) = (bytes("bounds_bytes")?, bytes("peak_rss_bytes")?);
+    let first = [scene, samples, heights, bounds];
+    readme.row(first.iter().chain([&peak]).cloned().collect());
+    let rest = [bytes("map_bytes")?, bytes("predicted_bytes")?, peak];
+    let took = seconds(drawn.number("render_cpu_seconds")?);
+    gallery.row(first.into_iter().chain(rest).chain([took]).collect());
+    Ok(())
 }

@@ -71,6 +71,20 @@ impl Report {
     pub fn number(&self, key: &str) -> Result<f64, String> {
         self.0[key].as_f64().ok_or_else(|| format!("no number {key:?} in {}", self.0))
     }
+
+    /// Samples along x and y of all maps of a scene, in words.
+    pub fn map_sizes(&self) -> Result<String, String> {
+        let all = ["sphere_maps", "maps"].map(|key| Some(self.0[key].as_array()?.iter()));
+        let [Some(spheres), Some(others)] = all else {
+            return Err(format!("no maps in {}", self.0));
+        };
+        let size =
+            |map: &Value| Some(format!("{} x {}", map["width"].as_u64()?, map["height"].as_u64()?));
+        let sizes: Option<Vec<_>> = spheres.chain(others).map(size).collect();
+        sizes
+            .map(|sizes| sizes.join(", "))
+            .ok_or_else(|| format!("a map without size in {}", self.0))
+    }
 }
 
 #[cfg(test)]
@@ -82,6 +96,14 @@ mod tests {
         let report = Report(serde_json::json!({ "pixels": 7, "peak_rss_bytes": null }));
         assert_eq!(report.number("pixels"), Ok(7.0));
         assert!(report.number("peak_rss_bytes").is_err_and(|why| why.contains("peak_rss_bytes")));
+    }
+
+    #[test]
+    fn scenes_tell_the_sizes_of_their_maps() {
+        let map = |side: u32| serde_json::json!([{ "width": side, "height": 2 * side }]);
+        let report = Report(serde_json::json!({ "maps": map(3), "sphere_maps": map(5) }));
+        assert_eq!(report.map_sizes(), Ok("5 x 10, 3 x 6".to_owned()));
+        assert!(Report(serde_json::json!({ "maps": [] })).map_sizes().is_err());
     }
 
     #[test]
