@@ -46,6 +46,8 @@ pub struct Renderer {
     sides: [OnDevice; 2],
     /// Why the CPU renders what a GPU was to, since it was last asked.
     why: Option<Why>,
+    /// What was told last: of a scene that is loaded again and again it is told once.
+    told: Option<Why>,
 }
 
 /// Why the CPU renders.
@@ -91,6 +93,7 @@ impl Renderer {
             kernels: Vec::new(),
             sides: Default::default(),
             why: None,
+            told: None,
         }
     }
 
@@ -98,7 +101,7 @@ impl Renderer {
     pub fn choose(&mut self, backend: Backend) {
         if self.backend != backend {
             self.backend = backend;
-            self.why = None;
+            (self.why, self.told) = (None, None);
             self.drop_device(Device::Unasked);
         }
     }
@@ -264,15 +267,22 @@ impl Renderer {
             Ok(None) => Device::Gone,
             Err(error) => {
                 let loud = self.backend == Backend::Gpu;
-                self.why = Some(Why { text: error.to_string(), loud });
+                self.tell(Why { text: error.to_string(), loud });
                 Device::Gone
             }
         };
     }
 
+    fn tell(&mut self, why: Why) {
+        if self.told.as_ref() != Some(&why) {
+            self.told = Some(why.clone());
+            self.why = Some(why);
+        }
+    }
+
     /// The CPU renders a side from now on: for as long as this scene is shown, or for good.
     fn gave_up(&mut self, side: usize, error: &GpuError) {
-        self.why = Some(Why { text: format!("{error}; the CPU takes over"), loud: true });
+        self.tell(Why { text: format!("{error}; the CPU takes over"), loud: true });
         match error {
             GpuError::Unsupported { .. } | GpuError::TooLarge { .. } => {
                 self.sides[side] = OnDevice::Refused;

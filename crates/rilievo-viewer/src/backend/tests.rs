@@ -162,6 +162,9 @@ fn what_a_gpu_cannot_trace_is_the_cpus_until_it_can() {
         (desk.renderer.name(0).to_owned(), desk.renderer.take_why()),
         ("cpu".to_owned(), None)
     );
+    // Loaded again, as while a slider is dragged, it is no news.
+    desk.load();
+    assert_eq!((desk.draw().1, desk.renderer.take_why()), (None, None));
     shows(&mut desk, SCENE);
     assert_eq!(desk.compare(), Some(Brought::Maps));
 }

@@ -36,7 +36,8 @@ pub fn show(viewer: &mut Viewer, ui: &mut Ui) {
     viewer.sides[0].draw(&painter, rect, [0.0, edge]);
     if compared {
         viewer.sides[1].draw(&painter, rect, [edge, 1.0]);
-        draw_wipe(&painter, rect, edge);
+        let knob = draw_wipe(&painter, rect, edge);
+        viewer.journal.widget("wipe", knob, scale);
     }
     keys(viewer, ui, response.hovered());
     let pointer = response.interact_pointer_pos().or(response.hover_pos());
@@ -44,7 +45,7 @@ pub fn show(viewer: &mut Viewer, ui: &mut Ui) {
         lift(viewer);
         return;
     };
-    if compared && wipe(viewer, &response, rect, pointer) {
+    if compared && wipe(viewer, ui, &response, rect, pointer) {
         return;
     }
     let share = (pointer - rect.min) / rect.size();
@@ -133,10 +134,18 @@ fn keys(viewer: &mut Viewer, ui: &Ui, hovered: bool) {
 }
 
 /// Drags the wipe; whether the mouse has hold of it.
-fn wipe(viewer: &mut Viewer, response: &eframe::egui::Response, rect: Rect, pointer: Pos2) -> bool {
+fn wipe(
+    viewer: &mut Viewer,
+    ui: &Ui,
+    response: &eframe::egui::Response,
+    rect: Rect,
+    pointer: Pos2,
+) -> bool {
     let x = rect.min.x + viewer.wipe * rect.width();
     if response.drag_started() {
-        viewer.wiping = (pointer.x - x).abs() <= REACH;
+        // A quick hand is far away before it counts as dragging.
+        let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+        viewer.wiping = (pressed.x - x).abs() <= REACH;
     }
     if response.drag_stopped() {
         viewer.wiping = false;

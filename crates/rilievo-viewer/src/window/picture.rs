@@ -59,10 +59,11 @@ impl Uploaded {
     }
 }
 
-/// Draws the wipe at a share of the width.
-pub fn draw_wipe(painter: &Painter, rect: Rect, share: f32) {
+/// Draws the wipe at a share of the width; where its knob is.
+pub fn draw_wipe(painter: &Painter, rect: Rect, share: f32) -> Rect {
     let x = rect.min.x + share * rect.width();
     painter.vline(x, rect.y_range(), Stroke::new(1.5, Color32::WHITE));
     let knob = Rect::from_center_size(Pos2::new(x, rect.center().y), Vec2::new(8.0, 36.0));
     painter.rect_filled(knob, 3.0, Color32::WHITE);
+    knob
 }

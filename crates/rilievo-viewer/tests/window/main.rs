@@ -105,3 +105,26 @@ fn without_edits_it_closes_at_once() {
     desk.closes();
     assert_eq!(desk.ended(), Some(0));
 }
+
+#[test]
+fn a_quick_hand_takes_hold_of_the_wipe() {
+    let Some(mut desk) = Desk::open(|folder| {
+        let mut arguments = hill(folder);
+        arguments.extend(["--compare-method", "dda", "--backend", "cpu"].map(str::to_owned));
+        arguments
+    }) else {
+        return;
+    };
+    let before = desk.seen("picture");
+    let [x, y] = desk.middle("wipe");
+    let [left, _, width, _] = desk.journal.widgets["picture"];
+    let to = left + width * 9 / 10;
+    assert!(to - x > 100, "{x} to {to}");
+    desk.drags([x, y], [to, y], |_| ());
+    std::thread::sleep(SOON);
+    desk.journal.catch_up();
+    assert!((desk.middle("wipe")[0] - to).abs() <= 2, "{} {to}", desk.middle("wipe")[0]);
+    // Nothing but the line has moved.
+    let share = different(&before, &desk.seen("picture"));
+    assert!(share < 0.03, "{share}");
+}
