@@ -1,6 +1,6 @@
 //! What `--backend` means.
 
-use rilievo_gpu::{Backend, GpuError, GpuTracer, GpuWorld};
+use rilievo_gpu::{Backend, GpuError, GpuScene, GpuTracer};
 use rilievo_render::{Scene, Tracer};
 
 use crate::args::RenderArgs;
@@ -29,11 +29,18 @@ pub fn with_tracer<T>(
     };
     let gpu = backend.or_cpu(opened, note).map_err(Failure::refused)?.flatten();
     let Some(gpu) = gpu else { return Ok((work(None)?, CPU.to_owned())) };
-    let world = GpuWorld::new(&gpu, scene.world());
-    let Some(world) = backend.or_cpu(world, note).map_err(Failure::refused)? else {
+    let on_gpu = GpuScene::new(&gpu, scene);
+    let Some(on_gpu) = backend.or_cpu(on_gpu, note).map_err(Failure::refused)? else {
         return Ok((work(None)?, CPU.to_owned()));
     };
-    let tracer = GpuTracer::new(world, backend == Backend::Auto, note);
+    let name = gpu.name();
+    match on_gpu.why_not() {
+        None => args.talk.line(format_args!("{name} traces and shades")),
+        Some(why) => args.talk.line(format_args!(
+            "{name} traces, the CPU shades in waves: {why} is not shaded on a GPU"
+        )),
+    }
+    let tracer = GpuTracer::of_scene(on_gpu, backend == Backend::Auto, note);
     let done = work(Some(&tracer))?;
     Ok((done, gpu.name().to_owned()))
 }

@@ -3,10 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rilievo::Ray;
-use rilievo_render::{Scene, ShadowRay, Traced, Tracer};
+use rilievo_render::{CameraRay, Scene, Seen, ShadowRay, Traced, Tracer};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::shading::GpuScene;
 use crate::world::GpuWorld;
 
 /// Whether a GPU traces a scene as far as its settings go: levels of detail are the CPU's.
@@ -97,33 +98,67 @@ impl std::str::FromStr for Backend {
 
 /// A GPU, and the CPU for when it gives up.
 pub struct GpuTracer<'a, N> {
-    world: GpuWorld<'a>,
+    held: Held<'a>,
     deputy: Deputy<N>,
+}
+
+/// What is on the GPU.
+enum Held<'a> {
+    World(Box<GpuWorld<'a>>),
+    Scene(Box<GpuScene<'a>>),
+}
+
+impl<'a> Held<'a> {
+    fn world(&self) -> &GpuWorld<'a> {
+        match self {
+            Self::World(world) => world,
+            Self::Scene(scene) => scene.world(),
+        }
+    }
 }
 
 impl<'a, N: Fn(&GpuError)> GpuTracer<'a, N> {
     /// Traces on the GPU until it fails; `note` is told of the error. If the CPU may take over, all answers are its from
     /// then on; otherwise there are none.
     pub fn new(world: GpuWorld<'a>, cpu_may_take_over: bool, note: N) -> Self {
-        let deputy = Deputy { allowed: cpu_may_take_over, note, acts: false.into() };
-        Self { world, deputy }
+        Self::of(Held::World(Box::new(world)), cpu_may_take_over, note)
+    }
+
+    /// The same with the integrators on the GPU too, where they can be.
+    pub fn of_scene(scene: GpuScene<'a>, cpu_may_take_over: bool, note: N) -> Self {
+        Self::of(Held::Scene(Box::new(scene)), cpu_may_take_over, note)
+    }
+
+    fn of(held: Held<'a>, allowed: bool, note: N) -> Self {
+        Self { held, deputy: Deputy { allowed, note, acts: false.into() } }
     }
 
     /// The surfaces on the GPU.
     pub fn into_world(self) -> GpuWorld<'a> {
-        self.world
+        match self.held {
+            Held::World(world) => *world,
+            Held::Scene(scene) => scene.into_world(),
+        }
     }
 }
 
 impl<N: Fn(&GpuError) + Sync> Tracer for GpuTracer<'_, N> {
     fn closest(&self, rays: &[Ray]) -> Result<Vec<Traced>, String> {
-        let cpu = || Tracer::closest(self.world.world(), rays);
-        self.deputy.either(|| self.world.closest(rays), cpu)
+        let cpu = || Tracer::closest(self.held.world().world(), rays);
+        self.deputy.either(|| self.held.world().closest(rays), cpu)
     }
 
     fn occluded(&self, rays: &[ShadowRay]) -> Result<Vec<bool>, String> {
-        let cpu = || Tracer::occluded(self.world.world(), rays);
-        self.deputy.either(|| self.world.occluded(rays), cpu)
+        let cpu = || Tracer::occluded(self.held.world().world(), rays);
+        self.deputy.either(|| self.held.world().occluded(rays), cpu)
+    }
+
+    fn seen(&self, rays: &[CameraRay], samples: u64) -> Result<Option<Seen>, String> {
+        match &self.held {
+            Held::World(_) => Ok(None),
+            // Without the GPU waves go on, traced by the CPU.
+            Held::Scene(scene) => self.deputy.either(|| scene.seen(rays, samples), || Ok(None)),
+        }
     }
 }
 

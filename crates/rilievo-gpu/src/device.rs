@@ -9,7 +9,7 @@ use wgpu::{DeviceType, PollType};
 use crate::distance_build::BoxKernel;
 use crate::error::GpuError;
 use crate::pages::Pages;
-use crate::shaders::{self, Walks};
+use crate::shaders::{self, Light, Walks};
 
 /// How long a dispatch may take before the device counts as lost; dispatches are cut to take a small part
 /// of it.
@@ -40,6 +40,8 @@ pub struct Gpu {
 pub(crate) enum Kernel {
     /// The nearest hit of every ray.
     Closest(Walks),
+    /// The next step of every slot.
+    Advance(Light),
     /// The finest level of a pyramid.
     Ground,
     /// The other levels.
@@ -231,6 +233,7 @@ impl Gpu {
     fn compiled(&self, kernel: Kernel, pages: [Pages; 2]) -> wgpu::ComputePipeline {
         let (name, text) = match kernel {
             Kernel::Closest(walks) => ("closest", shaders::closest(walks, pages)),
+            Kernel::Advance(light) => ("advance", shaders::advance(light, pages[0])),
             Kernel::Ground => ("ground", shaders::pyramid(pages)),
             Kernel::Coarser => ("coarser", shaders::pyramid(pages)),
             Kernel::Boxes(kernel) => (kernel.name(), shaders::boxes(pages)),

@@ -45,6 +45,9 @@
 //! does, values in doubles, derivatives in floats: what these round is part of the enclosure. Parts of one mesh count from one middle and
 //! are cut to one box, so that what is computed beside an edge is the same in both; walls show the neighbour's map.
 //!
+//! **Light.** [`GpuScene`] runs the integrators of `rilievo-render` on the device, for scenes whose materials, lights and surfaces its shaders
+//! know; see `shading.rs`. Numbers of samplers are the CPU's bit for bit, points are in doubles, weights in floats.
+//!
 //! **Limits.** Surfaces that move are refused by name. Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
@@ -64,12 +67,14 @@ mod device;
 mod distance_build;
 mod distances;
 mod error;
+mod forms;
 mod maps;
 mod measure;
 mod pages;
 mod pyramid_build;
 mod records;
 mod shaders;
+mod shading;
 mod shells;
 mod surfaces;
 mod upload;
@@ -79,6 +84,7 @@ pub use backend::{Backend, GpuTracer, UnknownBackend, check};
 pub use device::Gpu;
 pub use error::GpuError;
 pub use measure::GpuRays;
+pub use shading::GpuScene;
 pub use world::{GpuKernels, GpuMaps, GpuSurfaces, GpuWorld, MapEdit};
 // Its types stand in what `Gpu` gives away.
 pub use wgpu;

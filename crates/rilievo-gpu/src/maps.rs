@@ -283,6 +283,22 @@ impl Maps {
         groups
     }
 
+    /// The group of heights for a kernel that shades: group 1.
+    pub fn heights_group(&self, gpu: &Gpu, pipeline: &wgpu::ComputePipeline) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(self.heights.buffers())
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("heights"),
+            layout: &pipeline.get_bind_group_layout(1),
+            entries: &entries,
+        })
+    }
+
     /// Groups of bounds and, if the kernel reads them, of heights: groups 1 and 2.
     pub fn build_groups(
         &self,

@@ -2,6 +2,10 @@
 //! file is the twin of the CPU's module of its name. How the words of maps are bound is written here, for
 //! they lie in one buffer or in several.
 
+use rilievo_render::device::{HEAD, Parts};
+use rilievo_render::light::{LIGHT_WORDS, TREE_WORDS};
+
+use crate::forms::{SURFACE_RECORD, TRIANGLE_FORM};
 use crate::pages::Pages;
 
 /// Group of the words of bounds.
@@ -31,6 +35,58 @@ pub(crate) struct Walks {
 pub(crate) fn closest(walks: Walks, [heights, bounds]: [Pages; 2]) -> String {
     let maps = [words(BOUNDS, bounds, false), words(HEIGHTS, heights, false)];
     [CLOSEST, &walks.text(), &maps.concat()].concat()
+}
+
+/// How light is worked out on the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Light {
+    /// What the scene asks for; the rest is left out.
+    pub parts: Parts,
+    /// Whether there are displaced faces, displaced spheres, and instances.
+    pub faces: bool,
+    pub relief_spheres: bool,
+    pub instances: bool,
+    /// Points of a tree of rays that wait at once.
+    pub points: u32,
+}
+
+/// The next step of every camera ray on its way, with heights that are cut into these pages.
+pub(crate) fn advance(light: Light, heights: Pages) -> String {
+    let integrator = if light.parts.path { PATH } else { TREES };
+    [SHADED, integrator, &light.text(), &words((HEIGHTS.0, 1), heights, false)].concat()
+}
+
+impl Light {
+    /// The names of words, as `rilievo_render::device` places them, and what is left out.
+    fn text(self) -> String {
+        let Parts { images, normals, sky, metals, glass, principled, mixes, .. } = self.parts;
+        let (jittered, Self { faces, relief_spheres, instances, .. }) = (self.parts.jittered, self);
+        let flags = [
+            ("IMAGES", images),
+            ("NORMALS", normals),
+            ("HAS_SKY", sky),
+            ("METALS", metals),
+            ("GLASSES", glass),
+            ("PRINCIPLEDS", principled),
+            ("MIXES", mixes),
+            ("JITTERED", jittered),
+            ("FACES", faces),
+            ("RELIEF_SPHERES", relief_spheres),
+            ("INSTANCES", instances),
+        ];
+        let flags = flags.map(|(name, is)| format!("const {name}: bool = {is};\n"));
+        let lengths = [
+            ("LIGHT_RECORD", LIGHT_WORDS),
+            ("TREE_RECORD", TREE_WORDS),
+            ("SURFACE_RECORD", SURFACE_RECORD),
+            ("TRIANGLE_FORM", TRIANGLE_FORM as u32),
+            ("POINTS", self.points),
+        ];
+        let places = (0..).zip(HEAD).filter(|(_, name)| !name.is_empty());
+        let places = places.map(|(place, name)| (name, place)).chain(lengths);
+        let places = places.map(|(name, number)| format!("const {name}: u32 = {number}u;\n"));
+        flags.into_iter().chain(places).collect()
+    }
 }
 
 impl Walks {
@@ -149,6 +205,7 @@ const BOXES: &str = concat!(
 
 const CLOSEST: &str = concat!(
     include_str!("shaders/params.wgsl"),
+    include_str!("shaders/bindings/closest.wgsl"),
     include_str!("shaders/float.wgsl"),
     include_str!("shaders/double.wgsl"),
     include_str!("shaders/map_ray.wgsl"),
@@ -183,12 +240,52 @@ const CLOSEST: &str = concat!(
     include_str!("shaders/closest.wgsl"),
 );
 
+/// What all integrators share.
+const SHADED: &str = concat!(
+    include_str!("shaders/params.wgsl"),
+    include_str!("shaders/bindings/advance.wgsl"),
+    include_str!("shaders/float.wgsl"),
+    include_str!("shaders/double.wgsl"),
+    include_str!("shaders/map_ray.wgsl"),
+    include_str!("shaders/height.wgsl"),
+    include_str!("shaders/scene/words.wgsl"),
+    include_str!("shaders/scene/angle.wgsl"),
+    include_str!("shaders/sampler/hash.wgsl"),
+    include_str!("shaders/sampler/warp.wgsl"),
+    include_str!("shaders/texture/image.wgsl"),
+    include_str!("shaders/texture/input.wgsl"),
+    include_str!("shaders/hit/point.wgsl"),
+    include_str!("shaders/hit/face.wgsl"),
+    include_str!("shaders/hit/flat.wgsl"),
+    include_str!("shaders/hit/sphere.wgsl"),
+    include_str!("shaders/light/light.wgsl"),
+    include_str!("shaders/light/rectangle.wgsl"),
+    include_str!("shaders/light/environment.wgsl"),
+    include_str!("shaders/bsdf/frame.wgsl"),
+);
+
+const TREES: &str = include_str!("shaders/integrator/distributed.wgsl");
+
+const PATH: &str = concat!(
+    include_str!("shaders/sampler/path.wgsl"),
+    include_str!("shaders/light/tree.wgsl"),
+    include_str!("shaders/light/lighting.wgsl"),
+    include_str!("shaders/bsdf/microfacet.wgsl"),
+    include_str!("shaders/bsdf/diffuse.wgsl"),
+    include_str!("shaders/bsdf/part.wgsl"),
+    include_str!("shaders/bsdf/conductor.wgsl"),
+    include_str!("shaders/bsdf/glass.wgsl"),
+    include_str!("shaders/bsdf/principled.wgsl"),
+    include_str!("shaders/bsdf/mod.wgsl"),
+    include_str!("shaders/integrator/path.wgsl"),
+);
+
 #[cfg(test)]
 mod tests {
     use wgpu::naga;
 
     use super::*;
-    use crate::records;
+    use crate::{records, shading};
 
     /// The shader as every device without optional features must take it.
     fn validated(text: &str) -> naga::Module {
@@ -222,6 +319,35 @@ mod tests {
     }
 
     #[test]
+    fn light_is_valid_without_optional_features() {
+        // All, none, and one part at a time.
+        for pages in [ONE, THREE] {
+            let one = (0..12).map(|bit| 1 << bit).filter(|_| pages == ONE);
+            for parts in [0xfff, 0].into_iter().chain(one) {
+                for path in [false, true] {
+                    let has: [bool; 12] = std::array::from_fn(|bit| parts >> bit & 1 != 0);
+                    let [images, normals, sky, metals, glass, principled, mixes, jittered, ..] =
+                        has;
+                    let [.., faces, relief_spheres, instances] = has;
+                    let parts = Parts {
+                        path,
+                        images,
+                        normals,
+                        sky,
+                        metals,
+                        glass,
+                        principled,
+                        mixes,
+                        jittered,
+                    };
+                    let light = Light { parts, points: 4, faces, relief_spheres, instances };
+                    assert_eq!(validated(&advance(light, pages)).entry_points.len(), 1);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn structs_take_the_bytes_that_are_written() {
         let module = validated(&closest(Walks::default(), [ONE, ONE]));
         let span = |module: &naga::Module, name: &str| {
@@ -240,6 +366,16 @@ mod tests {
             ("Node", records::NODE_WORDS),
         ] {
             assert_eq!(span(&module, name), Some(4 * words), "{name}");
+        }
+        for (path, points, words) in [
+            (true, 2, shading::WALK_WORDS),
+            (false, 3, shading::TREE_WORDS + 3 * shading::POINT_WORDS),
+        ] {
+            let parts = Parts { path, ..Parts::default() };
+            let module = validated(&advance(Light { parts, points, ..Light::default() }, ONE));
+            let name = if path { "Walk" } else { "Tree" };
+            assert_eq!(span(&module, name), Some(4 * words), "{name}");
+            assert_eq!(span(&module, "Slot"), Some(4 * shading::SLOT_WORDS));
         }
         let tasks = validated(&pyramid([ONE, ONE]));
         assert_eq!(span(&tasks, "Task"), Some(4 * records::TASK_WORDS));

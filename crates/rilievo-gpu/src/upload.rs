@@ -26,6 +26,11 @@ const LARGEST_DEPTH: u32 = 126;
 /// Triangles in a leaf of a mesh.
 const LEAF_TRIANGLES: u32 = 4;
 
+/// The kind of a displaced face.
+pub(crate) const FACE: u32 = 1;
+/// The kind of a displaced sphere.
+pub(crate) const RELIEF_SPHERE: u32 = 4;
+
 /// The buffers of a world, in words, and where its maps are to lie.
 #[derive(Default)]
 pub(crate) struct Upload<'a> {
@@ -64,6 +69,12 @@ impl<'a> Upload<'a> {
             return unsupported(&format!("a tree of {levels} levels"));
         }
         Ok(upload)
+    }
+
+    /// Of each surface its kind and its first face, if it has any.
+    pub fn kinds(&self) -> Vec<[u32; 2]> {
+        let records = self.surfaces.chunks_exact(SURFACE_WORDS);
+        records.map(|record| kind_and_face(record, &self.numbers)).collect()
     }
 
     /// Whether nothing of the world can be hit.
@@ -239,6 +250,17 @@ impl<'a> Upload<'a> {
         }
         root
     }
+}
+
+/// The kind of a surface and the number of its first face, if it has any, from its record.
+fn kind_and_face(record: &[u32], numbers: &[u32]) -> [u32; 2] {
+    let face = match record[0] {
+        FACE => record[1],
+        // The last of a displaced sphere's numbers; see `shells::write_sphere`.
+        RELIEF_SPHERE => numbers[record[1] as usize + 21],
+        _ => u32::MAX,
+    };
+    [record[0], face]
 }
 
 /// Levels of a tree; 0 if it is empty.

@@ -43,6 +43,8 @@ pub struct GpuWorld<'a> {
     /// How many can be hit at all; none where the tree is empty.
     surfaces: u32,
     maps: Maps,
+    /// Of each surface its kind, and its first face if it has any.
+    kinds: Vec<[u32; 2]>,
     buffers: [wgpu::Buffer; 4],
     params: wgpu::Buffer,
     /// Rays of the next dispatch; follows the time that dispatches take.
@@ -75,6 +77,7 @@ pub struct GpuSurfaces {
     anchor: DVec3,
     surfaces: u32,
     maps: Maps,
+    kinds: Vec<[u32; 2]>,
     buffers: [wgpu::Buffer; 4],
     params: wgpu::Buffer,
     dispatch: AtomicU32,
@@ -130,6 +133,7 @@ impl<'a> GpuWorld<'a> {
             anchor,
             surfaces: if words.is_empty() { 0 } else { world.surfaces().len() as u32 },
             maps,
+            kinds: words.kinds(),
             buffers: records(gpu, words)?,
             params: gpu.allocate("parameters", 16, params)?,
             dispatch: AtomicU32::new(FIRST_DISPATCH),
@@ -138,15 +142,15 @@ impl<'a> GpuWorld<'a> {
 
     /// All that lies on the GPU, for the time that the world is elsewhere: [`GpuWorld::again`].
     pub fn into_surfaces(self) -> GpuSurfaces {
-        let Self { anchor, surfaces, maps, buffers, params, dispatch, .. } = self;
-        GpuSurfaces { anchor, surfaces, maps, buffers, params, dispatch }
+        let Self { anchor, surfaces, maps, kinds, buffers, params, dispatch, .. } = self;
+        GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, dispatch }
     }
 
     /// The world that these surfaces are of, which lie on this GPU: nothing is brought over. Of another world
     /// answers would be wrong.
     pub fn again(gpu: &'a Gpu, world: &'a World, kept: GpuSurfaces) -> Self {
-        let GpuSurfaces { anchor, surfaces, maps, buffers, params, dispatch } = kept;
-        Self { gpu, world, anchor, surfaces, maps, buffers, params, dispatch }
+        let GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, dispatch } = kept;
+        Self { gpu, world, anchor, surfaces, maps, kinds, buffers, params, dispatch }
     }
 
     /// The surfaces themselves.
@@ -307,6 +311,66 @@ impl<'a> GpuWorld<'a> {
         &self.maps
     }
 
+    pub(crate) fn kinds(&self) -> &[[u32; 2]] {
+        &self.kinds
+    }
+
+    /// Displaced faces.
+    pub(crate) fn faces(&self) -> &wgpu::Buffer {
+        &self.buffers[0]
+    }
+
+    /// Traces the first `count` rays of a buffer that stay on the device: with the next commands, and then the answer is
+    /// true, or before them, where they are too many for one dispatch.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub(crate) fn trace_slots(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        groups: &[wgpu::BindGroup],
+        count: u32,
+        commands: &mut wgpu::CommandEncoder,
+    ) -> Result<bool, GpuError> {
+        if count <= self.dispatch.load(Ordering::Relaxed) {
+            self.set_params(0..count, Answer::Nearest);
+            Self::pass(pipeline, groups, count, commands);
+            return Ok(true);
+        }
+        let mut first = 0;
+        while first < count {
+            let end = count.min(first + self.dispatch.load(Ordering::Relaxed));
+            self.dispatch(pipeline, groups, first..end, Answer::Nearest)?;
+            first = end;
+        }
+        Ok(false)
+    }
+
+    /// Adds the tracing of so many rays.
+    fn pass(
+        pipeline: &wgpu::ComputePipeline,
+        groups: &[wgpu::BindGroup],
+        rays: u32,
+        commands: &mut wgpu::CommandEncoder,
+    ) {
+        let mut pass = commands.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        for (index, group) in (0..).zip(groups) {
+            pass.set_bind_group(index, group, &[]);
+        }
+        pass.dispatch_workgroups(rays.div_ceil(64), 1, 1);
+    }
+
+    /// Makes the next dispatches as long as the time that one of so many rays took says.
+    pub(crate) fn took(&self, rays: u32, took: Duration) {
+        if took > 2 * DISPATCH {
+            self.dispatch.store((rays / 2).max(64), Ordering::Relaxed);
+        } else if took < DISPATCH / 2 {
+            let longer = rays.saturating_mul(2).clamp(FIRST_DISPATCH, LARGEST_DISPATCH);
+            self.dispatch.fetch_max(longer, Ordering::Relaxed);
+        }
+    }
+
     /// Traces some of the rays and waits for them; the next dispatch is as long as the time says.
     fn dispatch(
         &self,
@@ -318,24 +382,12 @@ impl<'a> GpuWorld<'a> {
         let gpu = self.gpu;
         self.set_params(rays.clone(), answer);
         let mut commands = gpu.device.create_command_encoder(&Default::default());
-        let mut pass = commands.begin_compute_pass(&Default::default());
-        pass.set_pipeline(pipeline);
-        for (index, group) in (0..).zip(groups) {
-            pass.set_bind_group(index, group, &[]);
-        }
-        pass.dispatch_workgroups((rays.end - rays.start).div_ceil(64), 1, 1);
-        drop(pass);
+        let count = rays.end - rays.start;
+        Self::pass(pipeline, groups, count, &mut commands);
         let begin = Instant::now();
         gpu.queue.submit([commands.finish()]);
         gpu.wait()?;
-        let took = begin.elapsed();
-        let done = rays.end - rays.start;
-        if took > 2 * DISPATCH {
-            self.dispatch.store((done / 2).max(64), Ordering::Relaxed);
-        } else if took < DISPATCH / 2 {
-            let longer = done.saturating_mul(2).clamp(FIRST_DISPATCH, LARGEST_DISPATCH);
-            self.dispatch.fetch_max(longer, Ordering::Relaxed);
-        }
+        self.took(count, begin.elapsed());
         Ok(())
     }
 }

@@ -48,6 +48,7 @@
 //! - [`film`]: the image, pixel filters, tone mapping, false colours.
 //! - [`mod@render`]: tiles over threads, progress, cancellation.
 //! - [`memory`]: what a render will hold.
+//! - [`device`]: a scene in words, for integrators that shade where rays are traced.
 //! - [`tracer`]: what traces rays in place of the CPU's threads, a GPU for instance.
 
 #![forbid(unsafe_code)]
@@ -55,6 +56,7 @@
 pub mod bsdf;
 pub mod colour;
 pub mod denoise;
+pub mod device;
 pub mod film;
 pub mod integrator;
 mod level_of_detail;
@@ -79,4 +81,4 @@ pub use scene::{
     RenderSettings, Scene, SceneError, SceneParts, SettingsError,
 };
 pub use texture::{ColourImage, Texels, Texture, TextureError};
-pub use tracer::{ShadowRay, Traced, Tracer};
+pub use tracer::{CameraRay, Seen, ShadowRay, Traced, Tracer};

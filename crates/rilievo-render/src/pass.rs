@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use rilievo::Ray;
 
 use crate::film::{Film, FilmError, Tile};
-use crate::integrator::{CameraRay, OFFSPRING, PixelTracer, RayCounts, Wave};
+use crate::integrator::{OFFSPRING, PixelTracer, RayCounts, Wave};
 use crate::render::{FLOOR, RenderError, RenderOptions, TILE};
 use crate::scene::Scene;
-use crate::tracer::{RAYS, Traced, Tracer};
+use crate::tracer::{CameraRay, RAYS, Traced, Tracer};
 
 /// Samples at which a tile is first asked for its error.
 const FIRST_QUESTION: u32 = 64;
@@ -154,8 +154,15 @@ impl Passes<'_> {
         let samples = PixelTracer::new(self.scene, self.options.pixel_centers).samples();
         let (scene, offspring, cancel) = (self.scene, OFFSPRING, self.options.cancel);
         let wave = Wave { scene, tracer, samples, offspring, cancel };
-        let found = wave.closest(&asked).map_err(RenderError::Tracer)?;
-        let seen = wave.seen(&rays, &found).map_err(RenderError::Tracer)?;
+        let elsewhere = tracer.seen(&rays, samples).map_err(RenderError::Tracer)?;
+        // First hits are wanted for layers and for waves.
+        let wanted = elsewhere.is_none() || !self.options.aovs.is_empty();
+        let first = if wanted { asked.as_slice() } else { &[] };
+        let found = wave.closest(first).map_err(RenderError::Tracer)?;
+        let seen = match elsewhere {
+            Some(seen) => seen,
+            None => wave.seen(&rays, &found).map_err(RenderError::Tracer)?,
+        };
         if self.cancelled() {
             return Ok(());
         }

@@ -3,10 +3,17 @@
 //! It is asked for many rays at once: first for the camera rays of many tiles, then, for as long as there are any,
 //! for all shadow rays and all reflected rays of one bounce after the other. Where they go is up to the
 //! integrators, whose code is the same for both ways of tracing; so two pictures differ only where hits do.
+//!
+//! A tracer may also say what camera rays see ([`Tracer::seen`]): then the integrators are its own, from the words
+//! of [`crate::device`].
 
 use rayon::prelude::*;
 use rilievo::surface::World;
 use rilievo::{Counters, Hit, Ray};
+
+use crate::colour::Rgb;
+use crate::integrator::RayCounts;
+use crate::sampler::PathSampler;
 
 /// Rays that are asked for at a time, unless a tile has more.
 pub(crate) const RAYS: usize = 1 << 18;
@@ -24,6 +31,37 @@ pub trait Tracer: Sync {
     /// # Errors
     /// Why there are none.
     fn occluded(&self, rays: &[ShadowRay]) -> Result<Vec<bool>, String>;
+
+    /// Radiance against camera rays of a scene whose pixels take `samples` in all, if the integrators run where the rays
+    /// are traced; nothing, by default, where they are left to the CPU, in waves.
+    ///
+    /// # Errors
+    /// Why there is none.
+    fn seen(&self, _rays: &[CameraRay], _samples: u64) -> Result<Option<Seen>, String> {
+        Ok(None)
+    }
+}
+
+/// A camera ray that is traced elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// The ray.
+    pub ray: Ray,
+    /// Column and row of its pixel.
+    pub pixel: [u32; 2],
+    /// Absolute index of its sample.
+    pub index: u64,
+    /// The numbers that are left for its path, if there are paths.
+    pub numbers: Option<PathSampler>,
+}
+
+/// What camera rays see.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Radiance against each, in their order.
+    pub radiance: Vec<Rgb>,
+    /// Traced after the camera rays.
+    pub rays: RayCounts,
 }
 
 /// The answer to one ray.

@@ -74,40 +74,54 @@ fn over_facets(cosine: f64, alpha: f64, value: impl Fn(DVec3, DVec3) -> [f64; 2]
 /// The factors `[A, B]` of the reflectances straight on and at grazing angles in what a rough surface
 /// reflects in all.
 pub(super) fn gloss(cosine: f64, alpha: f64) -> [f64; 2] {
-    static GRID: LazyLock<Grid> = LazyLock::new(|| {
-        Grid::new(|cosine, roughness| {
-            let alpha = (roughness * roughness).max(1e-6);
-            over_facets(cosine, alpha, |view, facet| {
-                let c = view.dot(facet);
-                let light = 2.0 * c * facet - view;
-                let share = if light.z > 0.0 { masked_share(view, light, alpha) } else { 0.0 };
-                let edge = fresnel::grazing(c);
-                [share * (1.0 - edge), share * edge]
-            })
+    GLOSS.at(cosine, alpha)
+}
+
+/// Of [`gloss`].
+static GLOSS: LazyLock<Grid> = LazyLock::new(|| {
+    Grid::new(|cosine, roughness| {
+        let alpha = (roughness * roughness).max(1e-6);
+        over_facets(cosine, alpha, |view, facet| {
+            let c = view.dot(facet);
+            let light = 2.0 * c * facet - view;
+            let share = if light.z > 0.0 { masked_share(view, light, alpha) } else { 0.0 };
+            let edge = fresnel::grazing(c);
+            [share * (1.0 - edge), share * edge]
         })
-    });
-    GRID.at(cosine, alpha)
+    })
+});
+
+/// The factors of [`gloss`] over [`NODES`], row by row.
+pub(crate) fn gloss_table() -> Vec<[f64; 2]> {
+    GLOSS.0.clone()
 }
 
 /// What a sheen of a roughness reflects in all.
 pub(super) fn sheen_albedo(cosine: f64, roughness: f64) -> f64 {
-    static GRID: LazyLock<Grid> = LazyLock::new(|| {
-        Grid::new(|cosine, roughness| {
-            let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-            let (n, m) = (20, 12);
-            let all = (0..n * m).map(|k| {
-                // The square: close where light grazes.
-                let root = ((k % n) as f64 + 0.5) / n as f64;
-                let height = root * root;
-                let (sin, cos) = (PI * ((k / n) as f64 + 0.5) / m as f64).sin_cos();
-                let r = (1.0 - height * height).sqrt();
-                let light = DVec3::new(r * cos, r * sin, height);
-                4.0 * PI * root * height * sheen::fibres(view, light, roughness)
-            });
-            [all.sum::<f64>() / (n * m) as f64, 0.0]
-        })
-    });
-    GRID.at(cosine, roughness * roughness)[0]
+    SHEEN.at(cosine, roughness * roughness)[0]
+}
+
+/// Of [`sheen_albedo`].
+static SHEEN: LazyLock<Grid> = LazyLock::new(|| {
+    Grid::new(|cosine, roughness| {
+        let view = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        let (n, m) = (20, 12);
+        let all = (0..n * m).map(|k| {
+            // The square: close where light grazes.
+            let root = ((k % n) as f64 + 0.5) / n as f64;
+            let height = root * root;
+            let (sin, cos) = (PI * ((k / n) as f64 + 0.5) / m as f64).sin_cos();
+            let r = (1.0 - height * height).sqrt();
+            let light = DVec3::new(r * cos, r * sin, height);
+            4.0 * PI * root * height * sheen::fibres(view, light, roughness)
+        });
+        [all.sum::<f64>() / (n * m) as f64, 0.0]
+    })
+});
+
+/// The numbers of [`sheen_albedo`], first of each pair, over [`NODES`], row by row.
+pub(crate) fn sheen_table() -> Vec<[f64; 2]> {
+    SHEEN.0.clone()
 }
 
 /// An index of refraction, and what a rough interface of it reflects and lets through in all.
@@ -144,8 +158,17 @@ impl GlassTable {
 
     /// The share that single facets send on, to either side.
     pub(super) fn at(&self, front: bool, cosine: f64, alpha: f64) -> f64 {
+        self.side(front).at(cosine, alpha)[0]
+    }
+
+    /// The tables of both sides, seen from behind and from the front: the first of each pair over [`NODES`], row by row.
+    pub(crate) fn sides(&self) -> [Vec<[f64; 2]>; 2] {
+        [false, true].map(|front| self.side(front).0.clone())
+    }
+
+    fn side(&self, front: bool) -> &Grid {
         let eta = if front { self.ior } else { 1.0 / self.ior };
-        let grid = self.sides[usize::from(front)].get_or_init(|| {
+        self.sides[usize::from(front)].get_or_init(|| {
             Grid::new(|cosine, roughness| {
                 let alpha = (roughness * roughness).max(1e-6);
                 over_facets(cosine, alpha, |view, facet| {
@@ -161,8 +184,7 @@ impl GlassTable {
                     [sum, 0.0]
                 })
             })
-        });
-        grid.at(cosine, alpha)[0]
+        })
     }
 }
 

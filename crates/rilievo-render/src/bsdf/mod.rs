@@ -27,6 +27,7 @@ mod principled;
 mod sheen;
 
 pub use albedo::GlassTable;
+pub(crate) use albedo::{gloss_table, sheen_table};
 pub(crate) use lost_slopes::widened;
 
 use glam::{DVec2, DVec3};

@@ -6,7 +6,8 @@ mod path;
 mod pixel;
 mod wave;
 
-pub(crate) use pixel::{CameraRay, PixelTracer};
+pub(crate) use path::spread as path_spread;
+pub(crate) use pixel::PixelTracer;
 pub(crate) use wave::{OFFSPRING, Wave};
 
 use std::fmt;

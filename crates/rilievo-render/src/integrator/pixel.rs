@@ -13,7 +13,7 @@ use crate::film::{Aov, PixelMut};
 use crate::level_of_detail::{Cone, Detail, LevelOfDetail};
 use crate::sampler::{Dimension, PathSampler, PixelTable, Sampler, Strand};
 use crate::scene::Scene;
-use crate::tracer::Traced;
+use crate::tracer::{CameraRay, Traced};
 
 /// Camera rays of a pixel that are traced as one packet.
 const PACKET: usize = 16;
@@ -34,16 +34,6 @@ pub(crate) struct PixelTracer<'a> {
     branches: Vec<Branch>,
     /// What the next camera rays meet and see, if that was found elsewhere.
     answers: Option<Answers<'a>>,
-}
-
-/// A camera ray that is traced elsewhere.
-pub(crate) struct CameraRay {
-    pub(crate) ray: Ray,
-    pub(crate) pixel: [u32; 2],
-    /// Absolute index of its sample.
-    pub(crate) index: u64,
-    /// The numbers that are left for its path, if there are paths.
-    pub(crate) numbers: Option<PathSampler>,
 }
 
 /// What was found elsewhere of the camera rays to come.

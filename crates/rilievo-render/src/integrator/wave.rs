@@ -13,13 +13,12 @@ use rilievo::Ray;
 
 use super::distributed::{Branch, Distributed, Sink};
 use super::path::{Answer, PathTracer, Question, Walk};
-use super::pixel::CameraRay;
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::level_of_detail::Detail;
 use crate::sampler::{PixelTable, Sampler, Strand};
 use crate::scene::Scene;
-use crate::tracer::{RAYS, ShadowRay, Traced, Tracer};
+use crate::tracer::{CameraRay, RAYS, Seen, ShadowRay, Traced, Tracer};
 
 /// Branches that one thread grows at a time.
 const CHUNK: usize = 512;
@@ -37,14 +36,6 @@ pub(crate) struct Wave<'a> {
     pub(crate) offspring: usize,
     /// Set to stop.
     pub(crate) cancel: &'a AtomicBool,
-}
-
-/// Radiance against camera rays, in their order.
-#[derive(Default)]
-pub(crate) struct Seen {
-    pub(crate) radiance: Vec<Rgb>,
-    /// Traced after the camera rays.
-    pub(crate) rays: RayCounts,
 }
 
 impl Wave<'_> {

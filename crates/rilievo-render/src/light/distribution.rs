@@ -8,11 +8,11 @@ use glam::DVec2;
 /// rounding included, so that drawing and density agree to the last bit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Distribution {
-    columns: usize,
+    pub(super) columns: usize,
     /// Shares of the rows before each, and 1.
-    rows: Vec<f32>,
+    pub(super) rows: Vec<f32>,
     /// For each row the shares of its cells before each, and 1: `columns + 1` numbers a row.
-    cells: Vec<f32>,
+    pub(super) cells: Vec<f32>,
 }
 
 impl Distribution {

@@ -200,6 +200,31 @@ impl Lighting {
         own as u64 + self.tree.bytes() + self.shapes.iter().map(Shape::bytes).sum::<u64>()
     }
 
+    /// Whether anything is drawn by its shape.
+    pub(super) fn has_emitters(&self) -> bool {
+        !self.emitters.is_empty()
+    }
+
+    /// The lights of the tree, in its order.
+    pub(super) fn drawn(&self, world: &World) -> Vec<Light> {
+        let of_meshes = self.lights.len() as u32..self.first_emitter;
+        let triangles = of_meshes.filter_map(|index| self.triangle(world, index));
+        self.lights.iter().copied().chain(triangles.map(Light::Triangle)).collect()
+    }
+
+    /// For each surface the first of the lights of the tree that it is.
+    pub(super) fn first_of_surfaces(&self) -> impl Iterator<Item = Option<u32>> {
+        self.of_surface.iter().map(|of| match of {
+            OfSurface::From(first) => Some(*first),
+            OfSurface::Nothing | OfSurface::Emitter(_) => None,
+        })
+    }
+
+    /// The tree over all that is not infinitely far.
+    pub(super) fn tree(&self) -> &LightTree {
+        &self.tree
+    }
+
     /// Whether a number is needed to choose what to sample.
     pub(crate) fn chooses(&self) -> bool {
         self.chooses
@@ -332,7 +357,7 @@ impl Lighting {
     }
 
     /// What is chosen from first.
-    fn groups(&self) -> usize {
+    pub(super) fn groups(&self) -> usize {
         self.infinite() + usize::from(!self.tree.is_empty())
     }
 }

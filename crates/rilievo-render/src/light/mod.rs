@@ -29,6 +29,7 @@ mod shape;
 mod sphere;
 mod tree;
 mod triangle;
+mod words;
 
 use glam::{DVec2, DVec3};
 use rilievo::surface::Surface;
@@ -46,6 +47,8 @@ pub use punctual::{LightError, PointLight, SunLight};
 pub use quad::QuadLight;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
+pub use words::{LIGHT_WORDS, TREE_WORDS};
+pub(crate) use words::{write_lighting, write_lights};
 
 /// Most triangles of a mesh that is a light: each is sampled at every hit.
 const MESH_TRIANGLES: usize = 64;

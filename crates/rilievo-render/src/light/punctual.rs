@@ -12,12 +12,12 @@ use crate::sampler::warp::{square_to_cone, square_to_cone_pdf};
 /// and between them the square of what is linear in the cosine, as glTF has it (KHR_lights_punctual).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
-    position: DVec3,
-    intensity: Rgb,
+    pub(super) position: DVec3,
+    pub(super) intensity: Rgb,
     /// Unit axis; zero where there is no cone.
-    axis: DVec3,
+    pub(super) axis: DVec3,
     /// Cosines of the inner and the outer angle.
-    cosines: [f64; 2],
+    pub(super) cosines: [f64; 2],
 }
 
 /// Why a light was refused.
@@ -112,13 +112,13 @@ impl PointLight {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunLight {
     /// Unit direction towards it.
-    towards: DVec3,
+    pub(super) towards: DVec3,
     /// On a surface that faces it, W/m^2.
-    irradiance: Rgb,
+    pub(super) irradiance: Rgb,
     /// 1 less the cosine of half the disc's angle; 0 for one direction.
-    height: f64,
+    pub(super) height: f64,
     /// Radiance of the disc.
-    radiance: Rgb,
+    pub(super) radiance: Rgb,
 }
 
 impl SunLight {

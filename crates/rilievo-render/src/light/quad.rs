@@ -31,7 +31,7 @@ pub struct QuadLight {
     lengths: [f64; 2],
     /// Unit vectors along the edges.
     along: [DVec3; 2],
-    rectangular: bool,
+    pub(super) rectangular: bool,
     area: f64,
     /// Unit normal of the front.
     normal: DVec3,

@@ -72,6 +72,16 @@ impl LightTree {
         self.nodes.is_empty()
     }
 
+    /// The nodes: bounds, and of an inner node its second child, of a leaf its light.
+    pub(super) fn nodes(&self) -> impl ExactSizeIterator<Item = (LightBounds, u32, bool)> {
+        self.nodes.iter().map(|node| (node.bounds(), node.next, node.leaf))
+    }
+
+    /// For each light the way to it, a bit a step from the lowest up; all ones where it is left out.
+    pub(super) fn ways(&self) -> &[u64] {
+        &self.ways
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> u64 {
         (size_of_val(self.nodes.as_slice()) + size_of_val(self.ways.as_slice())) as u64

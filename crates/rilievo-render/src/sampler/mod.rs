@@ -64,6 +64,11 @@ impl Sampler {
         Self { key: hash(hash(seed, 0), pixel) }
     }
 
+    /// The key of the pixel, for shaders: low word first.
+    pub fn words(&self) -> [u32; 2] {
+        [self.key as u32, (self.key >> 32) as u32]
+    }
+
     /// `count` strata of a dimension; at least one.
     pub fn strata(&self, dimension: Dimension, count: u64) -> Strata {
         let (kind, detail) = match dimension {

@@ -154,6 +154,17 @@ impl PathSampler {
         }
     }
 
+    /// For shaders: the key, low word first; what is kept of the sample; how many numbers and pairs were taken.
+    pub fn words(&self) -> [u32; 4] {
+        let sample = match self.source {
+            Source::Sobol(sample) => sample,
+            Source::Independent => 0,
+            // A sample is below the count of samples.
+            Source::Jittered { index, .. } => index as u32,
+        };
+        [self.key as u32, (self.key >> 32) as u32, sample, self.dimension as u32]
+    }
+
     /// Goes to a dimension: as if so many numbers or pairs had been taken.
     ///
     /// Paths of a pixel that differ in what they met agree again on what a dimension is used for.

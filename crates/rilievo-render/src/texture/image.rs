@@ -17,7 +17,7 @@ use rilievo::map::Wrap;
 
 use super::cache::TileCache;
 use super::coarser::coarser;
-use super::texels::{Decoder, Level, Texels, TextureError};
+use super::texels::{Decoder, ImageLevel, Level, Texels, TextureError};
 use super::tiled::Tiled;
 use crate::colour::Rgb;
 
@@ -100,6 +100,18 @@ impl ColourImage {
         let Storage::Held { finest, .. } = &self.storage else { return Ok(self.clone()) };
         let tiled = Tiled::write(finest, &self.decoder, (cache, first), write)?;
         Ok(Self { storage: Storage::Tiled(tiled), decoder: self.decoder.clone() })
+    }
+
+    /// The image, and the coarser ones if they are asked for, each half of the one before; nothing of an image in
+    /// tiles.
+    pub(crate) fn levels(&self, all: bool) -> Option<Vec<ImageLevel<'_>>> {
+        let Storage::Held { finest, coarser } = &self.storage else { return None };
+        let coarser = match all {
+            true => coarser.get_or_init(|| coarser_levels(finest, &self.decoder)).as_slice(),
+            false => &[],
+        };
+        let levels = std::iter::once(finest).chain(coarser);
+        Some(levels.map(|level| ImageLevel::new(level, &self.decoder)).collect())
     }
 
     /// What brings in its tiles, of an image in tiles.

@@ -15,6 +15,7 @@ mod tiled;
 pub use cache::{TileCache, TileSource};
 pub use image::ColourImage;
 pub use input::{Channel, ColourInput, NormalInput, NumberInput};
+pub(crate) use texels::ImageLevel;
 pub use texels::{Texels, TextureError};
 
 use std::sync::Arc;

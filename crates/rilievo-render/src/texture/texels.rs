@@ -167,3 +167,35 @@ impl Decoder {
         Rgb::from_array(rgb)
     }
 }
+
+/// An image of those that halve each other.
+pub(crate) struct ImageLevel<'a> {
+    level: &'a Level,
+    decoder: &'a Decoder,
+}
+
+impl<'a> ImageLevel<'a> {
+    /// A level and what decodes it.
+    pub(super) fn new(level: &'a Level, decoder: &'a Decoder) -> Self {
+        Self { level, decoder }
+    }
+
+    /// Texels along u and v.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.level.width, self.level.height]
+    }
+
+    /// Its texels, row by row, if they are codes of 8 bits, and whether those are sRGB.
+    pub(crate) fn codes(&self) -> Option<(&[[u8; 3]], bool)> {
+        match &self.level.texels {
+            Texels::Srgb8(codes) => Some((codes, true)),
+            Texels::Linear8(codes) => Some((codes, false)),
+            Texels::Srgb16(_) | Texels::Linear16(_) | Texels::Linear(_) => None,
+        }
+    }
+
+    /// The linear colour of a texel.
+    pub(crate) fn texel(&self, i: u32, j: u32) -> Rgb {
+        self.decoder.texel(self.level, i, j)
+    }
+}

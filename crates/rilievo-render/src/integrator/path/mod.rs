@@ -46,6 +46,11 @@ const LEAST_END: f64 = 0.05;
 /// many there are, so that more of them only add to what others took. Level of detail may ask for more.
 const SAMPLE: f64 = 0.25;
 
+/// Width of a camera ray's share of the picture, scene units per unit of distance.
+pub(crate) fn spread(scene: &Scene) -> f64 {
+    SAMPLE.max(scene.settings().lod) * scene.camera().pixel_angle()
+}
+
 /// Traces paths of one scene.
 pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
@@ -136,8 +141,7 @@ pub(super) enum Answer {
 impl<'a> PathTracer<'a> {
     /// For the camera rays of `scene`.
     pub(super) fn of_camera(scene: &'a Scene) -> Self {
-        let width = SAMPLE.max(scene.settings().lod);
-        Self::new(scene, width * scene.camera().pixel_angle())
+        Self::new(scene, spread(scene))
     }
 
     /// For `scene`; `spread` is the angle between camera rays of neighbouring samples, radian.

@@ -51,16 +51,16 @@ impl Default for EnvironmentPlacement {
 /// Light from all around.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    width: usize,
-    height: usize,
+    pub(super) width: usize,
+    pub(super) height: usize,
     /// Radiance, row 0 at the bottom.
-    texels: Vec<[f32; 3]>,
-    world_from_image: DMat3,
+    pub(super) texels: Vec<[f32; 3]>,
+    pub(super) world_from_image: DMat3,
     image_from_world: DMat3,
     /// Texels along a side of a cell.
-    side: usize,
+    pub(super) side: usize,
     /// Nothing where the image is black.
-    cells: Option<Distribution>,
+    pub(super) cells: Option<Distribution>,
 }
 
 impl Environment {
@@ -150,7 +150,7 @@ impl Environment {
     }
 
     /// z of the lower and the upper edge of a row of cells.
-    fn heights(&self, row: usize) -> [f64; 2] {
+    pub(super) fn heights(&self, row: usize) -> [f64; 2] {
         let first = row * self.side;
         let edge = |texels: usize| -(PI * texels as f64 / self.height as f64).cos();
         [edge(first), edge((first + self.side).min(self.height))]
