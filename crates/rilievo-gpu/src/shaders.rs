@@ -104,7 +104,7 @@ impl Walks {
 
     /// The functions by which `shaders/trace.wgsl` walks the face at hand.
     fn text(self) -> String {
-        let no_distance = "faces[face].distance == NOTHING";
+        let no_distance = "shown_map.distance == NOTHING";
         let by_bounds = "return walk_pyramid(tile, admitted());";
         let by_distance = "return walk_distance(tile, larger(begin, tile.enter), \
                            smaller(end, tile.leave), admitted());";
@@ -116,7 +116,7 @@ impl Walks {
         };
         let mut points = Vec::new();
         if self.marched {
-            points.push(("faces[face].distance == MARCHED", "return meet_marched(t_max, number);"));
+            points.push(("shown_map.distance == MARCHED", "return meet_marched(t_max, number);"));
         }
         if self.published {
             points.push(("walks_published()", "return meet_published(t_max, number);"));

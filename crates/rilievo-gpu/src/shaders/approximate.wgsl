@@ -47,8 +47,8 @@ fn march_span() -> MarchSpan {
     for (var k = 0u; k < 3u; k++) {
         let o = exact.origin[k];
         let d = exact.direction[k];
-        var low = double(faces[face].low);
-        var high = double(faces[face].high);
+        var low = double(shown_map.low);
+        var high = double(shown_map.high);
         if k < 2u {
             low = faces[face].window_low[k];
             high = faces[face].window_high[k];
@@ -63,7 +63,7 @@ fn march_span() -> MarchSpan {
         let b = ratio(difference(high, o), d);
         let near = smaller_double(a, b);
         at.enters = k == 2u && below(at.begin, near);
-        at.entry = select(faces[face].low, faces[face].high, d.x < 0.0);
+        at.entry = select(shown_map.low, shown_map.high, d.x < 0.0);
         at.begin = larger_double(at.begin, near);
         at.end = smaller_double(at.end, larger_double(a, b));
     }

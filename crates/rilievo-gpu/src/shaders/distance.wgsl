@@ -47,7 +47,7 @@ fn vector_in_bounds(place: u32) -> vec3<f32> {
 }
 
 fn load_distance_map() {
-    let at = faces[face].distance;
+    let at = shown_map.distance;
     distance_map.kind = bound_word(at);
     distance_map.slice = bound_word(at + 1u);
     distance_map.size = vec3<u32>(bound_word(at + 2u), bound_word(at + 3u), bound_word(at + 4u));
@@ -60,7 +60,7 @@ fn load_distance_map() {
 
 // Whether the face at hand is walked as the paper has it.
 fn walks_published() -> bool {
-    let at = faces[face].distance;
+    let at = shown_map.distance;
     if at >= MARCHED {
         return false;
     }
@@ -121,10 +121,10 @@ fn stepper_of(tile: Tile) -> Stepper {
         origin[k] = sign * (f32(tile.origin[k]) + ray.o[k]);
         slope[k] = sign * ray.d[k];
         let window = max(abs(ray.lo[k]), abs(ray.hi[k]));
-        let cells = f32(max(i32(faces[face].cells[k]), abs(tile.origin[k])));
+        let cells = f32(max(i32(shown_map.cells[k]), abs(tile.origin[k])));
         reach[k] = 1.0 + larger(window, cells);
     }
-    origin.z = ray.oz - faces[face].low;
+    origin.z = ray.oz - shown_map.low;
     slope.z = ray.dz;
     at.origin = origin * distance_map.density;
     at.direction = slope * distance_map.density;
@@ -136,9 +136,9 @@ fn stepper_of(tile: Tile) -> Stepper {
     let least = select(2u, 1u, distance_map.kind == BOXES);
     at.last = vec3<f32>(distance_map.size - vec3<u32>(least));
     at.per_height = 1.0 / away(ray.dz);
-    let size = max(faces[face].size, max(abs(ray.oz), abs(ray.oz + ray.dz)));
+    let size = max(shown_map.size, max(abs(ray.oz), abs(ray.oz + ray.dz)));
     let strays = 1.2e-6 * reach;
-    let range = faces[face].high - faces[face].low;
+    let range = shown_map.high - shown_map.low;
     at.lift = 1.52587890625e-5 * size + (strays.x + strays.y) * range;
     at.per_distance = 0.999996 / length(distance_map.metric * slope);
     let margin = 1.52587890625e-5 * size * distance_map.metric.z

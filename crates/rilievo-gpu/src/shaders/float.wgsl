@@ -12,11 +12,23 @@ fn rounded(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
 
+fn rounded_four(x: vec4<f32>) -> vec4<f32> {
+    return bitcast<vec4<f32>>(bitcast<vec4<u32>>(x) ^ vec4<u32>(zero));
+}
+
 fn larger(a: f32, b: f32) -> f32 {
     return select(b, a, a > b);
 }
 
 fn smaller(a: f32, b: f32) -> f32 {
+    return select(b, a, a < b);
+}
+
+fn larger_four(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+    return select(b, a, a > b);
+}
+
+fn smaller_four(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return select(b, a, a < b);
 }
 

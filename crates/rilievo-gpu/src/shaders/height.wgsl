@@ -3,22 +3,22 @@
 
 // Raw value of a sample.
 fn raw(i: u32, j: u32) -> f32 {
-    let at = j * faces[face].samples.x + i;
+    let at = j * shown_map.samples.x + i;
     if has(FLOATS) {
-        return bitcast<f32>(height_word(faces[face].heights + at));
+        return bitcast<f32>(height_word(shown_map.heights + at));
     }
-    let pair = height_word(faces[face].heights + (at >> 1u));
+    let pair = height_word(shown_map.heights + (at >> 1u));
     return f32(select(pair & 0xffffu, pair >> 16u, (at & 1u) == 1u));
 }
 
 // Whether stored cell 0 begins a cell before sample 0.
 fn is_padded() -> bool {
-    return faces[face].wrap == CLAMP || (faces[face].texel == 1u && faces[face].wrap == MIRROR);
+    return shown_map.wrap == CLAMP || (shown_map.texel == 1u && shown_map.wrap == MIRROR);
 }
 
 // The two samples that a stored cell joins.
 fn joined(axis: u32, cell: i32) -> vec2<u32> {
-    let last = i32(faces[face].samples[axis]) - 1;
+    let last = i32(shown_map.samples[axis]) - 1;
     if is_padded() {
         return vec2<u32>(vec2<i32>(clamp(cell - 1, 0, last), clamp(cell, 0, last)));
     }
@@ -49,9 +49,9 @@ fn floor_div(a: i32, b: i32) -> i32 {
 
 // The run that holds an unfolded cell.
 fn run_of(axis: u32, i: i32) -> Run {
-    let n = i32(faces[face].samples[axis]);
-    let texel = faces[face].texel == 1u;
-    if faces[face].wrap == CLAMP {
+    let n = i32(shown_map.samples[axis]);
+    let texel = shown_map.texel == 1u;
+    if shown_map.wrap == CLAMP {
         if i < -1 {
             return Run(i, 1, 0, 0);
         }
@@ -61,7 +61,7 @@ fn run_of(axis: u32, i: i32) -> Run {
         return Run(-1, n + 1, 0, 0);
     }
     let p = select(n - 1, n, texel);
-    if faces[face].wrap == REPEAT {
+    if shown_map.wrap == REPEAT {
         return Run(floor_div(i, p) * p, p, 0, 0);
     }
     let pad = select(0, 1, texel);

@@ -18,7 +18,7 @@ fn admits(admit: u32, from_above: bool) -> bool {
 
 // Slack of every bound test, raw units.
 fn slack() -> f32 {
-    return faces[face].size * 9.5367431640625e-7;
+    return shown_map.size * 9.5367431640625e-7;
 }
 
 fn lerp(a: f32, b: f32, t: f32) -> f32 {

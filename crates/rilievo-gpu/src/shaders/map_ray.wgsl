@@ -25,16 +25,56 @@ struct MapRay {
     above: bool,
 }
 
+// What of a face its map decides. It is read once, when the face is turned to: a walk asks for it at every step.
+struct ShownMap {
+    low: f32,
+    high: f32,
+    size: f32,
+    code_base: f32,
+    code_step: f32,
+    raw_zero: f32,
+    flags: u32,
+    samples: vec2<u32>,
+    cells: vec2<u32>,
+    texel: u32,
+    wrap: u32,
+    heights: u32,
+    bounds: u32,
+    levels: u32,
+    distance: u32,
+}
+
 // The face at hand, the ray in its frame, and the work done so far.
 var<private> face: u32;
+var<private> shown_map: ShownMap;
 var<private> exact: ExactRay;
 var<private> ray: MapRay;
 var<private> steps: u32;
 // Whether the ray leaves this very surface.
 var<private> spawned: bool;
 
+// Turns to a face.
+fn show(number: u32) {
+    face = number;
+    shown_map.low = faces[number].low;
+    shown_map.high = faces[number].high;
+    shown_map.size = faces[number].size;
+    shown_map.code_base = faces[number].code_base;
+    shown_map.code_step = faces[number].code_step;
+    shown_map.raw_zero = faces[number].raw_zero;
+    shown_map.flags = faces[number].flags;
+    shown_map.samples = faces[number].samples;
+    shown_map.cells = faces[number].cells;
+    shown_map.texel = faces[number].texel;
+    shown_map.wrap = faces[number].wrap;
+    shown_map.heights = faces[number].heights;
+    shown_map.bounds = faces[number].bounds;
+    shown_map.levels = faces[number].levels;
+    shown_map.distance = faces[number].distance;
+}
+
 fn has(flag: u32) -> bool {
-    return (faces[face].flags & flag) != 0u;
+    return (shown_map.flags & flag) != 0u;
 }
 
 // Row k of the matrix times a vector.
@@ -127,7 +167,7 @@ fn clip(origin: array<Double, 3>, direction: array<Double, 3>, lift: f32, t_max:
     ray.cull.y = smaller(next_up(smaller(larger(c.x, e.x), end)), 1.0);
     ray.oz = z.x;
     ray.dz = exact.direction[2].x;
-    ray.above = lift > 0.0 || below(double(faces[face].high), exact.origin[2]);
+    ray.above = lift > 0.0 || below(double(shown_map.high), exact.origin[2]);
     round_axis(0u);
     round_axis(1u);
     return true;

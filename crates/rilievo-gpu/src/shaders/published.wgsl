@@ -21,8 +21,8 @@ fn segment_of() -> Segment {
         let o = exact.origin[k];
         at.origin[k] = o.x;
         at.direction[k] = exact.direction[k].x;
-        var low = double(faces[face].low);
-        var high = double(faces[face].high);
+        var low = double(shown_map.low);
+        var high = double(shown_map.high);
         if k < 2u {
             low = faces[face].window_low[k];
             high = faces[face].window_high[k];
@@ -63,7 +63,7 @@ fn march_published() -> LeafHit {
     let top = vec3<f32>(distance_map.size - vec3<u32>(1u));
     let last = vec3<u32>(distance_map.size - vec3<u32>(2u));
     let per_distance = 1.0 / length(distance_map.metric * segment.direction);
-    let epsilon = PUBLISHED_EPSILON * (faces[face].high - faces[face].low);
+    let epsilon = PUBLISHED_EPSILON * (shown_map.high - shown_map.low);
     var s = segment.begin;
     if spawned {
         let speed = max(abs(segment.direction.x), abs(segment.direction.y));
@@ -85,7 +85,7 @@ fn march_published() -> LeafHit {
             hit.found = admits(admitted(), hit.from_above);
             break;
         }
-        var place = vec3<f32>(stored_coordinate(0u, p.x), stored_coordinate(1u, p.y), p.z - faces[face].low);
+        var place = vec3<f32>(stored_coordinate(0u, p.x), stored_coordinate(1u, p.y), p.z - shown_map.low);
         place = clamp(place * distance_map.density, vec3<f32>(0.0), top);
         s += distance_in(min(vec3<u32>(place), last), place) * per_distance;
     }

@@ -135,7 +135,7 @@ fn root_across(cell: vec2<i32>, s0: f32) -> Root {
 
 // Whether the unrounded ray may cross the surface near s0 from the given side.
 fn crosses(s0: f32, from_above: bool) -> bool {
-    let range = larger(faces[face].high - faces[face].low, 1e-37);
+    let range = larger(shown_map.high - shown_map.low, 1e-37);
     let across = larger(abs(exact.direction[0].x), abs(exact.direction[1].x));
     let speed = larger(across, abs(exact.direction[2].x) / range);
     let step = double(0.000244140625 / speed);
@@ -152,7 +152,7 @@ fn crosses(s0: f32, from_above: bool) -> bool {
 // nothing below 2^-30 of the map's size, and the crossing is kept: nothing slips through.
 fn starts_beyond(cell: vec2<i32>, s0: f32, from_above: bool) -> bool {
     let gap = gap_at(double(0.0)).x;
-    let least = select(0.0, faces[face].size * 9.3e-10, spawned);
+    let least = select(0.0, shown_map.size * 9.3e-10, spawned);
     let beyond = select(gap > least, gap < -least, from_above);
     return beyond && root_near(cell, double(s0)).s.x <= 0.0;
 }

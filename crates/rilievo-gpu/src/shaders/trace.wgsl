@@ -7,7 +7,7 @@ fn nothing_met() -> Met {
 
 // Whether the surface may jump where two tiles meet.
 fn has_seams() -> bool {
-    return faces[face].texel == 0u && faces[face].wrap == REPEAT;
+    return shown_map.texel == 0u && shown_map.wrap == REPEAT;
 }
 
 // Walks the tiles front to back.

@@ -17,6 +17,28 @@ struct Walk {
     both: bool,
 }
 
+// Parameters at which the ray meets four lines of an axis.
+fn times_of(axis: u32, lines: vec4<f32>) -> vec4<f32> {
+    return rounded_four(lines - ray.o[axis]) * ray.inv[axis];
+}
+
+// Four codes of two words, in the order in which a ray meets them.
+fn four_codes(place: u32, mirror: u32) -> vec4<u32> {
+    let a = bound_word(place);
+    let b = bound_word(place + 1u);
+    let codes = vec4<u32>(a & 0xffffu, a >> 16u, b & 0xffffu, b >> 16u);
+    return select(codes, codes.wzyx, mirror != 0u);
+}
+
+fn values_of(codes: vec4<u32>) -> vec4<f32> {
+    return shown_map.code_base + rounded_four(vec4<f32>(codes) * shown_map.code_step);
+}
+
+fn bits_of_four(flags: vec4<bool>) -> u32 {
+    let bits = select(vec4<u32>(0u), vec4<u32>(1u, 2u, 4u, 8u), flags);
+    return bits.x | bits.y | bits.z | bits.w;
+}
+
 // The children that the ray may meet of the node of a level that holds a mirrored cell.
 fn met(walk: Walk, level: u32, cell: vec2<i32>) -> u32 {
     steps += 1u;
@@ -24,91 +46,84 @@ fn met(walk: Walk, level: u32, cell: vec2<i32>) -> u32 {
     let node = cell >> shift;
     let base = (node << shift) - walk.tile.origin;
     let side = i32(4u << (2u * level));
-    var lines_x: array<f32, 5>;
-    var lines_y: array<f32, 5>;
-    for (var k = 0; k < 5; k++) {
-        lines_x[k] = time_of(0u, f32(base.x + k * side));
-        lines_y[k] = time_of(1u, f32(base.y + k * side));
-    }
+    let children = vec4<i32>(0, 1, 2, 3) * side;
+    let near_x = times_of(0u, vec4<f32>(base.x + children));
+    let far_x = times_of(0u, vec4<f32>(base.x + side + children));
     let at = vec2<u32>(node ^ walk.tile.turn);
-    let table = faces[face].bounds + 3u * level;
+    let table = shown_map.bounds + 3u * level;
     let index = (at.y * bound_word(table) + at.x) * 8u;
     let upper = bound_word(table + 1u) + index;
     let lower = bound_word(table + 2u) + index;
-    let base_value = faces[face].code_base;
-    let step_value = faces[face].code_step;
     let mirror = vec2<u32>(walk.tile.turn) & vec2<u32>(3u);
     let sinks = ray.dz < 0.0;
     var mask = 0u;
     for (var y = 0u; y < 4u; y++) {
-        let enter_row = larger(walk.enter, lines_y[y]);
-        let leave_row = smaller(walk.leave, lines_y[y + 1u]);
+        let line = base.y + i32(y) * side;
+        let enter_row = larger(walk.enter, time_of(1u, f32(line)));
+        let leave_row = smaller(walk.leave, time_of(1u, f32(line + side)));
         if enter_row >= leave_row {
             continue;
         }
+        let near = larger_four(vec4<f32>(enter_row), near_x);
+        let far = smaller_four(vec4<f32>(leave_row), far_x);
         let row = (y ^ mirror.y) * 2u;
-        let top = vec2<u32>(bound_word(upper + row), bound_word(upper + row + 1u));
-        var bottom = vec2<u32>(0u);
+        let highest = values_of(four_codes(upper + row, mirror.x));
+        let lowest_ray = rounded_four(select(near, far, sinks) * ray.dz) + walk.low_start;
+        var meets = (near < far) & (lowest_ray <= highest);
         if walk.both {
-            bottom = vec2<u32>(bound_word(lower + row), bound_word(lower + row + 1u));
+            let lowest = values_of(four_codes(lower + row, mirror.x));
+            let highest_ray = rounded_four(select(far, near, sinks) * ray.dz) + walk.high_start;
+            meets = meets & (lowest <= highest_ray);
         }
-        for (var x = 0u; x < 4u; x++) {
-            let near = larger(enter_row, lines_x[x]);
-            let far = smaller(leave_row, lines_x[x + 1u]);
-            if near >= far {
-                continue;
-            }
-            let column = x ^ mirror.x;
-            let half = 16u * (column & 1u);
-            let high = (select(top.x, top.y, column > 1u) >> half) & 0xffffu;
-            let highest = base_value + rounded(f32(high) * step_value);
-            let lowest_ray = rounded(select(near, far, sinks) * ray.dz) + walk.low_start;
-            var meets = lowest_ray <= highest;
-            if walk.both {
-                let low = (select(bottom.x, bottom.y, column > 1u) >> half) & 0xffffu;
-                let lowest = base_value + rounded(f32(low) * step_value);
-                let highest_ray = rounded(select(far, near, sinks) * ray.dz) + walk.high_start;
-                meets = meets && lowest <= highest_ray;
-            }
-            mask |= select(0u, 1u << (4u * y + x), meets);
-        }
+        mask |= bits_of_four(meets) << (4u * y);
     }
     return mask;
+}
+
+// Parameters at which the ray enters and leaves a row of cells of a tile.
+fn row_enter(walk: Walk, fy: i32) -> f32 {
+    return larger(time_of(1u, larger(f32(fy), walk.tile.lo.y)), 0.0);
+}
+
+fn row_leave(walk: Walk, fy: i32) -> f32 {
+    return smaller(time_of(1u, smaller(f32(fy + 1), walk.tile.hi.y)), 1.0);
 }
 
 // The first admitted crossing in the block with its corner at a mirrored cell.
 fn first_in_block(walk: Walk, corner: vec2<i32>, admit: u32) -> LeafHit {
     steps += 1u;
     let first = corner - walk.tile.origin;
+    // Cells are told apart first and met then, so that rays side by side meet their cells at the same time.
+    let columns = vec4<f32>(first.x + vec4<i32>(0, 1, 2, 3));
+    let near_x = times_of(0u, larger_four(columns, vec4<f32>(walk.tile.lo.x)));
+    let next = vec4<f32>(first.x + vec4<i32>(1, 2, 3, 4));
+    let far_x = times_of(0u, smaller_four(next, vec4<f32>(walk.tile.hi.x)));
+    var cells = 0u;
     for (var y = 0; y < 4; y++) {
-        let fy = first.y + y;
-        let near_y = larger(f32(fy), walk.tile.lo.y);
-        let far_y = smaller(f32(fy + 1), walk.tile.hi.y);
-        let enter_row = larger(time_of(1u, near_y), 0.0);
-        let leave_row = smaller(time_of(1u, far_y), 1.0);
-        if enter_row >= leave_row {
-            continue;
-        }
-        for (var x = 0; x < 4; x++) {
-            let fx = first.x + x;
-            let near_x = larger(f32(fx), walk.tile.lo.x);
-            let far_x = smaller(f32(fx + 1), walk.tile.hi.x);
-            let t0 = larger(enter_row, time_of(0u, near_x));
-            let t1 = smaller(leave_row, time_of(0u, far_x));
-            if t0 >= t1 || ray.cull.x > t1 || t0 > ray.cull.y {
-                continue;
-            }
-            let cell = vec2<i32>(fx, fy);
-            let enters = vec2<f32>(entering(0u, fx, t0), entering(1u, fy, t0));
-            let leaves = vec2<f32>(leaving(0u, fx, t1), leaving(1u, fy, t1));
-            let gap = gap_of(enters, leaves, t0, t1, tile_corners(walk.tile, cell));
-            var hit = first_root(gap, admit);
-            if hit.found {
-                hit.s = smaller(rounded(hit.s * rounded(t1 - t0)) + t0, t1);
-                hit.cell = cell;
-                if confirms(t0, hit, admit) {
-                    return hit;
-                }
+        let t0 = larger_four(vec4<f32>(row_enter(walk, first.y + y)), near_x);
+        let t1 = smaller_four(vec4<f32>(row_leave(walk, first.y + y)), far_x);
+        let crossed = (t0 < t1) & (vec4<f32>(ray.cull.x) <= t1) & (t0 <= vec4<f32>(ray.cull.y));
+        cells |= bits_of_four(crossed) << u32(4 * y);
+    }
+    while cells != 0u {
+        let lane = i32(firstTrailingBit(cells));
+        cells &= cells - 1u;
+        let fx = first.x + (lane & 3);
+        let fy = first.y + (lane >> 2u);
+        let near = larger(f32(fx), walk.tile.lo.x);
+        let far = smaller(f32(fx + 1), walk.tile.hi.x);
+        let t0 = larger(row_enter(walk, fy), time_of(0u, near));
+        let t1 = smaller(row_leave(walk, fy), time_of(0u, far));
+        let cell = vec2<i32>(fx, fy);
+        let enters = vec2<f32>(entering(0u, fx, t0), entering(1u, fy, t0));
+        let leaves = vec2<f32>(leaving(0u, fx, t1), leaving(1u, fy, t1));
+        let gap = gap_of(enters, leaves, t0, t1, tile_corners(walk.tile, cell));
+        var hit = first_root(gap, admit);
+        if hit.found {
+            hit.s = smaller(rounded(hit.s * rounded(t1 - t0)) + t0, t1);
+            hit.cell = cell;
+            if confirms(t0, hit, admit) {
+                return hit;
             }
         }
     }
@@ -122,7 +137,7 @@ fn last_cell(walk: Walk, axis: u32) -> i32 {
 }
 
 fn on_map(walk: Walk, axis: u32, cell: i32) -> i32 {
-    let cells = i32(faces[face].cells[axis]);
+    let cells = i32(shown_map.cells[axis]);
     let first = walk.tile.turn[axis] & -cells;
     return clamp(cell, first, first + cells - 1);
 }
@@ -149,7 +164,7 @@ fn walk_pyramid(tile: Tile, admit: u32) -> LeafHit {
     walk.low_start = next_down(ray.oz - rounded(2.0 * slack()));
     walk.high_start = next_up(ray.oz + rounded(2.0 * slack()));
     walk.both = !ray.above;
-    let top = faces[face].levels - 1u;
+    let top = shown_map.levels - 1u;
     var next = top;
     var last = top;
     var home = tile.turn;

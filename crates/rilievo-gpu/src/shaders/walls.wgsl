@@ -18,7 +18,7 @@ fn wall_between(wall: u32, s: f32, before: f32, behind: f32) -> Met {
 
 // Gap above offset 0, which the border's walls go down to.
 fn gap_to_base(s: f32) -> f32 {
-    return rounded(height_at(s)) - faces[face].raw_zero;
+    return rounded(height_at(s)) - shown_map.raw_zero;
 }
 
 fn border(axis: u32, low: bool) -> u32 {

@@ -160,7 +160,7 @@ fn nearest(source: Ray) -> Hit {
             case FACE: {
                 // `shaders.rs` writes which displaced surfaces there are; drivers drop the others.
                 if FACES {
-                    face = surfaces[number].data;
+                    show(surfaces[number].data);
                     hit = meet_face(local, t_max, number);
                 }
             }

@@ -84,7 +84,7 @@ fn point_of(hit: Hit, source: Ray) -> Point {
         // `shaders.rs` writes which surfaces there are; drivers drop the others.
         case FACE: {
             if FACES {
-                face = scene[record + 4u];
+                show(scene[record + 4u]);
                 point = point_of_face(hit, local, form);
             }
         }

@@ -40,7 +40,7 @@ fn lattice_direction(at: vec2<u32>) -> vec3<f32> {
 }
 
 fn ball_raw(side: u32, at: vec2<u32>) -> f32 {
-    face = ball.faces + side;
+    show(ball.faces + side);
     return raw(at.x, at.y);
 }
 

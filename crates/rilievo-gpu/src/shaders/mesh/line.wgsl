@@ -52,7 +52,7 @@ fn enter_mesh(source: Ray, place: u32, leaves: bool, slabs: SlabRay, t_max: Doub
     let flags = numbers[place + 12u];
     relief_mesh.one_sided = (flags & ONE_SIDED) != 0u;
     relief_mesh.rises = (flags & RISES) != 0u;
-    face = numbers[place + 13u];
+    show(numbers[place + 13u]);
     relief_mesh.vertices = numbers[place + 14u];
     relief_mesh.prisms = numbers[place + 15u];
     relief_mesh.walls = numbers[place + 16u];

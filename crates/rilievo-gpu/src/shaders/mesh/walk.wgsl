@@ -92,14 +92,14 @@ fn is_coarse(path: Path, part: f32) -> bool {
 // Heights over the level of a child of a node of a level, forward.
 fn child_heights(level: u32, node: vec2<i32>, turn: vec2<i32>, child: vec2<u32>) -> vec2<f32> {
     let at = vec2<u32>(node ^ turn);
-    let table = faces[face].bounds + 3u * level;
+    let table = shown_map.bounds + 3u * level;
     let index = (at.y * bound_word(table) + at.x) * 8u;
     let stored = child ^ (vec2<u32>(turn) & vec2<u32>(3u));
     let word = index + stored.y * 2u + (stored.x >> 1u);
     let shift = 16u * (stored.x & 1u);
     let codes = vec2<u32>(bound_word(bound_word(table + 2u) + word), bound_word(bound_word(table + 1u) + word));
     let steps_up = vec2<f32>((codes >> vec2<u32>(shift)) & vec2<u32>(0xffffu));
-    return faces[face].code_base + steps_up * faces[face].code_step - relief_mesh.level;
+    return shown_map.code_base + steps_up * shown_map.code_step - relief_mesh.level;
 }
 
 // Corners of a forward cell over the level.
@@ -159,6 +159,8 @@ fn walk_block(forward: Forward, own: Path, old: Framed, span: vec2<f32>, block: 
         framed = better_frame(forward, own, old, vec3<i32>(corner, 4), range);
     }
     let path = framed.path;
+    // Cells are told apart first and shown then, so that rays side by side are in the leaf at the same time.
+    var shown = 0u;
     for (var k = 0; k < 16; k++) {
         let cell = corner + vec2<i32>(k & 3, k >> 2u);
         if any(cell < forward.first) || any(cell >= forward.end) {
@@ -174,10 +176,15 @@ fn walk_block(forward: Forward, own: Path, old: Framed, span: vec2<f32>, block: 
             vec3<f32>(at - MARGIN, range.x - slack),
             vec3<f32>(at + 1.0 + MARGIN, range.y + slack),
         );
-        if over.x > over.y || !touches(path, over, at, h) {
-            continue;
+        if over.x <= over.y && touches(path, over, at, h) {
+            shown |= 1u << u32(k);
         }
-        let backward = forward.sign < vec2<f32>(0.0);
+    }
+    let backward = forward.sign < vec2<f32>(0.0);
+    while shown != 0u {
+        let k = i32(firstTrailingBit(shown));
+        shown &= shown - 1u;
+        let cell = corner + vec2<i32>(k & 3, k >> 2u);
         leaf_of_mesh(select(cell - forward.shift, forward.shift - cell - 1, backward), index);
     }
 }

@@ -30,10 +30,10 @@ fn side_height(place: u32, s: Double) -> Double {
 fn height_beside(part: u32, side: u32, s: Double) -> Double {
     let own_face = face;
     let own_level = relief_mesh.level;
-    face = numbers[part];
+    show(numbers[part]);
     relief_mesh.level = float_at(part + 1u);
     let height = side_height(side, s);
-    face = own_face;
+    show(own_face);
     relief_mesh.level = own_level;
     return sum(product(height, number_at(part + 2u)), number_at(part + 4u));
 }

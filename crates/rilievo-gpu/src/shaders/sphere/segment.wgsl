@@ -82,7 +82,7 @@ fn over_face(cube_face: u32, point: array<Double, 3>, z: Double, other: u32) -> 
 
 // The gap at a point over a face of the cube.
 fn gap_over(seen: Over) -> Double {
-    face = radii.faces + seen.face;
+    show(radii.faces + seen.face);
     var cell: vec2<u32>;
     var local: array<Double, 2>;
     for (var k = 0u; k < 2u; k++) {

@@ -108,7 +108,7 @@ fn sweep_reaches(over: vec2<f32>, height: f32) -> bool {
 // The children that the ray may meet of a node, mirrored, that stands on the map.
 fn sweep_node(level: u32, node: vec2<i32>) -> u32 {
     let at = vec2<u32>(node ^ sweep.turn);
-    let table = faces[face].bounds + 3u * level;
+    let table = shown_map.bounds + 3u * level;
     let side = select(2u, 1u, sweep.upper);
     let codes = bound_word(table + side) + (at.y * bound_word(table) + at.x) * 8u;
     let mirror = vec2<u32>(sweep.turn) & vec2<u32>(3u);
@@ -123,7 +123,7 @@ fn sweep_node(level: u32, node: vec2<i32>) -> u32 {
         let stored = place ^ mirror;
         let pair = bound_word(codes + stored.y * 2u + (stored.x >> 1u));
         let code = select(pair & 0xffffu, pair >> 16u, (stored.x & 1u) == 1u);
-        let height = faces[face].code_base + f32(code) * faces[face].code_step;
+        let height = shown_map.code_base + f32(code) * shown_map.code_step;
         mask |= select(0u, 1u << lane, sweep_reaches(over, height));
     }
     return mask;
