@@ -14,7 +14,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use rilievo_gpu::{Gpu, GpuWorld};
+use rilievo_gpu::{Gpu, GpuScene};
 use rilievo_io::Limits;
 use rilievo_io::scene::{LoadOptions, SceneFile};
 use rilievo_render::{RenderSettings, Scene};
@@ -49,15 +49,15 @@ fn compared(folders: &[PathBuf], pixels: u32) -> Result<bool, String> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let _ = writeln!(std::io::stderr(), "{name}");
         let scene = scene(folder, pixels)?;
-        let on_gpu = match GpuWorld::new(&gpu, scene.world()) {
+        let on_gpu = match GpuScene::new(&gpu, &scene) {
             Ok(on_gpu) => on_gpu,
             Err(error) => {
                 hits.push(format!("| {name} | refused: {error} |"));
                 continue;
             }
         };
-        let found =
-            hits::Comparison::new(&scene, &on_gpu).map_err(|why| format!("{name}: {why}"))?;
+        let found = hits::Comparison::new(&scene, on_gpu.world())
+            .map_err(|why| format!("{name}: {why}"))?;
         right &= found.is_right();
         hits.push(format!("| {name} | {found} |"));
         let drawn = pictures::Comparison::new(&scene, &on_gpu)?;

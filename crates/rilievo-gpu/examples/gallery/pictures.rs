@@ -1,8 +1,8 @@
-//! Pictures by the scene's own integrator, all rays traced on the CPU or all on the GPU.
+//! Pictures by the scene's own integrator, by the CPU and by the GPU, which shades what its shaders know.
 
 use std::fmt;
 
-use rilievo_gpu::GpuWorld;
+use rilievo_gpu::GpuScene;
 use rilievo_render::{Integrator, RenderOptions, RenderSettings, Scene, render};
 
 use crate::hits::short;
@@ -11,14 +11,16 @@ use crate::hits::short;
 const TOLERANCE: f64 = 1e-3;
 
 pub const HEAD: &str = "\
-| scene | integrator | pixels | that differ | largest difference | RMSE |
-| --- | --- | ---: | ---: | ---: | ---: |";
+| scene | integrator | the GPU | pixels | that differ | largest difference | RMSE |
+| --- | --- | --- | ---: | ---: | ---: | ---: |";
 
 /// How two pictures differ; in means of the CPU's.
 #[derive(Debug)]
 pub struct Comparison {
     integrator: Integrator,
     samples: u32,
+    /// What the GPU does.
+    does: String,
     pixels: usize,
     other: usize,
     largest: f64,
@@ -27,12 +29,16 @@ pub struct Comparison {
 
 impl Comparison {
     /// Draws both.
-    pub fn new(scene: &Scene, on_gpu: &GpuWorld<'_>) -> Result<Self, String> {
+    pub fn new(scene: &Scene, on_gpu: &GpuScene<'_>) -> Result<Self, String> {
         let RenderSettings { integrator, samples, .. } = *scene.settings();
         let drawn =
             |options: &RenderOptions<'_>| render(scene, options).map_err(|error| error.to_string());
         let cpu = drawn(&RenderOptions::default())?.0;
         let gpu = drawn(&RenderOptions { tracer: Some(on_gpu), ..RenderOptions::default() })?.0;
+        let does = match on_gpu.why_not() {
+            None => "traces and shades".to_owned(),
+            Some(why) => format!("traces: {why} is not shaded there"),
+        };
         let values = cpu.radiance().iter().flatten();
         let mean = values.map(|&x| f64::from(x)).sum::<f64>() / (3 * cpu.radiance().len()) as f64;
         let (mut other, mut largest, mut squares) = (0, 0.0f64, 0.0);
@@ -45,14 +51,17 @@ impl Comparison {
         }
         let pixels = cpu.radiance().len();
         let rmse = (squares / (3 * pixels) as f64).sqrt();
-        Ok(Self { integrator, samples, pixels, other, largest, rmse })
+        Ok(Self { integrator, samples, does, pixels, other, largest, rmse })
     }
 }
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { integrator, samples, pixels, other, largest, rmse } = self;
+        let Self { integrator, samples, does, pixels, other, largest, rmse } = self;
         let (largest, rmse) = (short(*largest), short(*rmse));
-        write!(f, "`{integrator}`, {samples} samples | {pixels} | {other} | {largest} | {rmse}")
+        write!(
+            f,
+            "`{integrator}`, {samples} samples | {does} | {pixels} | {other} | {largest} | {rmse}"
+        )
     }
 }
