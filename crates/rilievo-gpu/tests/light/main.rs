@@ -128,6 +128,17 @@ fn materials_scatter_as_they_do_on_the_cpu() {
 }
 
 #[test]
+fn layers_mixes_and_bumps_scatter_as_they_do_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let settings = settings(Integrator::Path);
+    for (name, room) in
+        [("painted", materials::painted_room()), ("repainted", materials::repainted_room())]
+    {
+        compare(gpu, name, &room.scene(settings).with_environment(sky()).with_lamps(lamps()));
+    }
+}
+
+#[test]
 fn the_same_seed_gives_the_same_bytes_whatever_else_is_asked_for() {
     let Some(gpu) = gpu() else { return };
     for integrator in [Integrator::Distributed, Integrator::Path] {

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use rilievo::map::NormalConvention;
+
 use rilievo_render::bsdf::GlassTable;
-use rilievo_render::scene::{Conductor, Diffuse, Glass, Metal, Model, ThinGlass};
-use rilievo_render::texture::{ColourInput, NumberInput};
+use rilievo_render::scene::{Conductor, Diffuse, Glass, Metal, Mix, Model, Principled, ThinGlass};
+use rilievo_render::texture::{Channel, ColourInput, NormalInput, NumberInput, Texture};
 use rilievo_render::{Material, Rgb};
 
-use crate::room::Room;
+use crate::room::{Room, image};
 
 fn colour(r: f64, g: f64, b: f64) -> ColourInput {
     ColourInput::uniform(Rgb::new(r, g, b))
@@ -54,4 +56,69 @@ pub fn room() -> Room {
 /// The same room with clear glass and panes.
 pub fn clear_room() -> Room {
     Room { ball: glass(0.0, 1.5), pyramid: window(0.5), ..room() }
+}
+
+fn textured(texture: Texture) -> ColourInput {
+    ColourInput { texture: Some(texture), ..ColourInput::uniform(Rgb::ONE) }
+}
+
+fn channel(channel: Channel, invert: bool) -> NumberInput {
+    NumberInput { texture: Some((image(true), channel)), invert, ..NumberInput::uniform(0.9) }
+}
+
+fn detailed(material: Material) -> Material {
+    let (texture, convention) = (image(true), NormalConvention::DirectX);
+    Material { normals: Some(NormalInput { texture, convention, strength: 0.6 }), ..material }
+}
+
+fn principled(change: impl FnOnce(&mut Principled)) -> Material {
+    let mut principled = Principled::new();
+    change(&mut principled);
+    Material::of_model(Model::Principled(Box::new(principled)))
+}
+
+fn mix(first: Material, second: Material, share: NumberInput) -> Material {
+    Material::of_model(Model::Mix(Arc::new(Mix { materials: [first, second], share })))
+}
+
+/// A painted floor under a clear coat, cloth with bumps, a ball that is partly glass, and sheets with holes.
+fn layers() -> [Material; 4] {
+    let painted = principled(|p| {
+        p.base_colour = textured(image(false));
+        p.roughness = channel(Channel::Green, true);
+        p.coat = NumberInput::uniform(0.5);
+        p.coat_roughness = NumberInput::uniform(0.2);
+    });
+    let cloth = principled(|p| {
+        p.sheen = colour(0.3, 0.2, 0.5);
+        p.diffuse_roughness = NumberInput::uniform(0.7);
+        p.metallic = channel(Channel::Blue, false);
+    });
+    let body = principled(|p| {
+        p.transmission = NumberInput::uniform(0.7);
+        p.roughness = NumberInput::uniform(0.3);
+        p.metallic = NumberInput::uniform(0.2);
+    });
+    let sheet = principled(|p| {
+        p.opacity = NumberInput::uniform(0.6);
+        p.transmission = NumberInput::uniform(0.5);
+        p.thin = true;
+    });
+    [painted, detailed(cloth), body, sheet]
+}
+
+/// A room of principled surfaces with images and bumps, a mix of two metals, and a displaced ball.
+pub fn painted_room() -> Room {
+    let [floor, cloth, ball, sheet] = layers();
+    let wall = mix(detailed(copper(0.5)), cloth, channel(Channel::Blue, false));
+    let pyramid = mix(window(0.3), sheet, NumberInput::uniform(0.5));
+    Room { floor, wall, ball, pyramid, displaced: true, ..Room::default() }
+}
+
+/// The same materials on other surfaces.
+pub fn repainted_room() -> Room {
+    let [painted, cloth, body, sheet] = layers();
+    let ball = mix(detailed(clay(0.5)), painted, NumberInput::uniform(0.4));
+    let wall = mix(copper(0.3), body, NumberInput::uniform(1.0));
+    Room { floor: cloth, wall, ball, pyramid: sheet, displaced: true, ..Room::default() }
 }

@@ -1,4 +1,4 @@
-//! Materials in words: what the paper's integrator shows of them, then the numbers of their models.
+//! Materials in words: what they are, then their inputs, all of one kind, so that a shader reads them in one loop.
 
 use std::collections::HashMap;
 
@@ -11,8 +11,8 @@ use crate::colour::Rgb;
 use crate::scene::{Conductor, Glass, Material, Metal, Model, Principled, Reflectance, ThinGlass};
 use crate::texture::{Channel, ColourInput, NumberInput, Texture};
 
-/// Words before those of a model.
-const PAPER_WORDS: u32 = 16;
+/// Words of a material before its inputs.
+const HEAD_WORDS: u32 = 12;
 
 /// The materials that were written, each once, by address.
 #[derive(Default)]
@@ -82,19 +82,21 @@ impl Own<'_> {
             }
             _ => (NOTHING, 0.0, 0.0),
         };
+        let detail = Input::Colour(Rgb::ONE, normals.0);
+        let first =
+            [Input::Colour(diffuse, texture), Input::Colour(material.emitted, emission), detail];
         let place = self.words.place();
-        self.words.triple(diffuse);
-        self.words.push(texture);
+        self.words.push(kind);
+        words.into_iter().for_each(|word| self.words.push(word));
         self.words.triple(material.reflective);
         self.words.float(material.roughness * material.roughness);
-        self.words.triple(material.emitted);
-        self.words.push(emission);
-        self.words.push(kind);
-        self.words.push(normals.0);
         self.words.float(normals.1);
         self.words.float(normals.2);
-        debug_assert_eq!(self.words.place() - place, PAPER_WORDS);
-        words.into_iter().for_each(|word| self.words.push(word));
+        let inputs: Vec<Input> = first.into_iter().chain(inputs).collect();
+        let colours = inputs.iter().map(|input| u32::from(matches!(input, Input::Colour(..))));
+        self.words.push((0..).zip(colours).map(|(k, colour)| colour << k).sum());
+        self.words.push(inputs.len() as u32);
+        debug_assert_eq!(self.words.place() - place, HEAD_WORDS);
         for input in inputs {
             match input {
                 Input::Colour(value, texture) => {

@@ -175,23 +175,7 @@ impl SceneWords {
             drawn,
         });
         let surfaces = surfaces.collect();
-        check_parts(parts)?;
         Ok(Self { words: words.0, surfaces, parts })
-    }
-}
-
-/// What shaders are written for, but was not yet held against the CPU's pictures.
-fn check_parts(parts: Parts) -> Result<(), Uncovered> {
-    let Parts { path, sky, normals, principled, mixes, .. } = parts;
-    let unproven = [
-        (path && sky, "light from an image of the sky for paths"),
-        (normals, "a map of normals"),
-        (principled, "a principled surface"),
-        (mixes, "a mix of materials"),
-    ];
-    match unproven.into_iter().find(|(asked, _)| *asked) {
-        Some((_, what)) => Err(Uncovered(what)),
-        None => Ok(()),
     }
 }
 

@@ -1,10 +1,10 @@
 // The twin of `bsdf/conductor.rs`: a metal.
 
-fn make_metal(part: ptr<function, Part>, material: u32, at: Footprint) {
+fn make_metal(part: ptr<function, Part>, material: u32) {
     let view = (*part).frame.view;
     (*part).by_index = scene[material + MODEL] != 0u;
-    (*part).facing = colour_at(input_of(material, 1u), at);
-    (*part).edge = colour_at(input_of(material, 2u), at);
+    (*part).facing = inputs[OWN + 1u];
+    (*part).edge = inputs[OWN + 2u];
     var facing = (*part).facing;
     if (*part).by_index {
         facing = absorbing_fresnel(1.0, (*part).facing, (*part).edge);
@@ -14,7 +14,7 @@ fn make_metal(part: ptr<function, Part>, material: u32, at: Footprint) {
         let edge = min((*part).edge, vec3<f32>(1.0));
         (*part).edge = schlick * (1.0 - edge) / (cosine * grazing(cosine) * (1.0 - cosine));
     }
-    (*part).alpha = width_of(number_at_place(input_of(material, 0u), at));
+    (*part).alpha = width_of(inputs[OWN].x);
     (*part).several = vec3<f32>(1.0);
     if scene[material + MODEL + 1u] != 0u && (*part).alpha >= SMOOTH {
         (*part).several = several_facets(facing, view.z, (*part).alpha);

@@ -110,13 +110,15 @@ fn table_at(table: u32, cosine: f32, alpha: f32) -> vec2<f32> {
     let i = min(u32(x), 30u);
     let j = min(u32(y), 22u);
     let at = table + 2u * (j * 32u + i);
-    let low = mix(table_pair(at), table_pair(at + 2u), x - f32(i));
-    let high = mix(table_pair(at + 64u), table_pair(at + 66u), x - f32(i));
-    return mix(low, high, y - f32(j));
-}
-
-fn table_pair(at: u32) -> vec2<f32> {
-    return vec2<f32>(number(at), number(at + 1u));
+    let part = vec2<f32>(x - f32(i), y - f32(j));
+    var mixed = vec2<f32>(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        let far = vec2<bool>((k & 1u) == 1u, k > 1u);
+        let weights = select(1.0 - part, part, far);
+        let pair = at + 2u * (k & 1u) + 64u * (k >> 1u);
+        mixed += weights.x * weights.y * vec2<f32>(number(pair), number(pair + 1u));
+    }
+    return mixed;
 }
 
 fn gloss_albedo(cosine: f32, alpha: f32) -> vec2<f32> {

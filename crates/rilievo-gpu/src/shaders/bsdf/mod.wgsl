@@ -2,6 +2,8 @@
 // directions is asked in loops: drivers put every function where it is called, and take as long to compile it.
 
 struct Bsdf {
+    // What the material sends out.
+    emitted: vec3<f32>,
     // The second counts where its share is above 0.
     parts: array<Part, 2>,
     share: f32,
@@ -17,26 +19,36 @@ struct ScatteredLight {
     roughness: f32,
 }
 
-fn bsdf_of(material: u32, point: Point, view: vec3<f32>, at: Footprint) -> Bsdf {
+// A material seen from a side; where it only sends out light, nothing else is worked out.
+fn bsdf_of(material: u32, point: Point, view: vec3<f32>, at: Footprint, shines_only: bool) -> Bsdf {
     var bsdf: Bsdf;
-    if !MIXES {
-        bsdf.parts[0] = part_of(material, point, view, at);
-        return bsdf;
-    }
-    var of_parts = array<u32, 2>(material, material);
+    // The material, and the parts of a mix.
+    var materials = array<u32, 3>(material, material, material);
     var count = 1u;
-    if scene[material + MODEL_KIND] == MIX {
-        let share = clamp(number_at_place(input_of(material, 0u), at), 0.0, 1.0);
-        let first = scene[material + MODEL];
-        let second = scene[material + MODEL + 1u];
-        of_parts = array<u32, 2>(select(first, second, share == 1.0), second);
-        if share > 0.0 && share < 1.0 {
-            bsdf.share = share;
-            count = 2u;
-        }
-    }
+    var parts = 0u;
     for (var k = 0u; k < count; k++) {
-        bsdf.parts[k] = part_of(of_parts[k], point, view, at);
+        let here = materials[k];
+        read_inputs(here, select(scene[here + INPUTS], EMITTED + 1u, shines_only), at);
+        if k == 0u {
+            bsdf.emitted = inputs[EMITTED];
+        }
+        if shines_only {
+            break;
+        }
+        if MIXES {
+            if k == 0u && scene[here] == MIX {
+                let share = share_of(0u);
+                let first = scene[here + MODEL];
+                let second = scene[here + MODEL + 1u];
+                materials = array<u32, 3>(here, select(first, second, share == 1.0), second);
+                let both = share > 0.0 && share < 1.0;
+                bsdf.share = select(0.0, share, both);
+                count = select(2u, 3u, both);
+                continue;
+            }
+        }
+        bsdf.parts[parts] = part_of(here, point, view);
+        parts += 1u;
     }
     return bsdf;
 }

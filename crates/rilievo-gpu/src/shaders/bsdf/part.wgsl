@@ -46,35 +46,36 @@ struct DrawnLobe {
     roughness: f32,
 }
 
-fn part_of(material: u32, point: Point, view: vec3<f32>, at: Footprint) -> Part {
+// The inputs of the material are those at hand.
+fn part_of(material: u32, point: Point, view: vec3<f32>) -> Part {
     var part: Part;
     var shading = point.shading;
     if NORMALS {
-        if scene[material + 13u] != NOTHING {
-            let n = 2.0 * mean_colour(scene[material + 13u], at) - 1.0;
-            let strength = vec2<f32>(number(material + 14u), number(material + 15u));
+        if scene[material + FIRST_INPUT + 4u * DETAIL + 3u] != NOTHING {
+            let n = 2.0 * inputs[DETAIL] - 1.0;
+            let strength = vec2<f32>(number(material + STRENGTHS), number(material + STRENGTHS + 1u));
             shading = detailed(point, vec3<f32>(strength * n.xy, n.z));
         }
     }
     part.frame = frame_of(point, shading, view);
-    part.kind = scene[material + MODEL_KIND];
+    part.kind = scene[material];
     let local_view = part.frame.view;
     switch part.kind {
         case DIFFUSE: {
-            let colour = min(colour_at(input_of(material, 0u), at), vec3<f32>(1.0));
-            let roughness = clamp(number_at_place(input_of(material, 1u), at), 0.0, 1.0);
+            let colour = min(inputs[OWN], vec3<f32>(1.0));
+            let roughness = share_of(1u);
             part.diffuse = oren_nayar(colour, roughness, local_view);
         }
         case CONDUCTOR: {
             if METALS {
-                make_metal(&part, material, at);
+                make_metal(&part, material);
             }
         }
         case GLASS, THIN_GLASS: {
             if GLASSES {
                 let thin = part.kind == THIN_GLASS;
-                let alpha = width_of(number_at_place(input_of(material, 1u), at));
-                let colour = colour_at(input_of(material, 0u), at);
+                let alpha = width_of(inputs[OWN + 1u].x);
+                let colour = inputs[OWN];
                 part.glass = glass_of(material, thin, colour, alpha, point.front, local_view.z);
                 if scene[material + MODEL + 1u] == 0u {
                     part.glass.several = 1.0;
@@ -83,12 +84,12 @@ fn part_of(material: u32, point: Point, view: vec3<f32>, at: Footprint) -> Part 
         }
         case PRINCIPLED: {
             if PRINCIPLEDS {
-                make_principled(&part, material, at, point.front);
+                make_principled(&part, material, point.front);
             }
         }
         default: {
             part.kind = PAPER;
-            part.diffuse.colour = diffuse_of(material, at);
+            part.diffuse.colour = inputs[DULL];
             part.facing = reflective_of(material);
             let dull = largest_of(part.diffuse.colour);
             let bright = largest_of(part.facing);

@@ -4,16 +4,16 @@
 const NARROWEST: f32 = 1e-3;
 const COAT: f32 = 0.04;
 
-fn make_principled(part: ptr<function, Part>, material: u32, at: Footprint, front: bool) {
+fn make_principled(part: ptr<function, Part>, material: u32, front: bool) {
     let view = (*part).frame.view;
     let cosine = view.z;
     let one = vec3<f32>(1.0);
-    let base = min(colour_at(input_of(material, 0u), at), one);
-    let solid = clamp(number_at_place(input_of(material, 7u), at), 0.0, 1.0);
+    let base = min(inputs[OWN], one);
+    let solid = share_of(7u);
     var left = solid;
 
-    var sheen = min(colour_at(input_of(material, 10u), at), one);
-    let sheen_roughness = clamp(number_at_place(input_of(material, 11u), at), 0.0, 1.0);
+    var sheen = min(inputs[OWN + 10u], one);
+    let sheen_roughness = share_of(11u);
     var sheen_all = vec3<f32>(0.0);
     if !is_black(sheen) {
         let all = table_at(scene[SHEEN_TABLE], cosine, sheen_roughness * sheen_roughness).x;
@@ -21,20 +21,20 @@ fn make_principled(part: ptr<function, Part>, material: u32, at: Footprint, fron
         sheen_all = sheen * all;
         left -= largest_of(sheen_all);
     }
-    var coat = vec2<f32>(clamp(number_at_place(input_of(material, 8u), at), 0.0, 1.0), 0.0);
+    var coat = vec2<f32>(share_of(8u), 0.0);
     var coat_all = 0.0;
     if coat.x > 0.0 {
-        let width = width_of(number_at_place(input_of(material, 9u), at));
+        let width = width_of(inputs[OWN + 9u].x);
         coat = vec2<f32>(left * coat.x, max(width, NARROWEST));
         let both = gloss_albedo(cosine, coat.y);
         coat_all = coat.x * (COAT * both.x + both.y);
         left -= coat_all;
     }
 
-    let metal = clamp(number_at_place(input_of(material, 1u), at), 0.0, 1.0);
-    let clear = (1.0 - metal) * clamp(number_at_place(input_of(material, 6u), at), 0.0, 1.0);
+    let metal = share_of(1u);
+    let clear = (1.0 - metal) * share_of(6u);
     let opaque = 1.0 - metal - clear;
-    let rough = width_of(number_at_place(input_of(material, 2u), at));
+    let rough = width_of(inputs[OWN + 2u].x);
     let alpha = max(rough, NARROWEST);
     let both = gloss_albedo(cosine, alpha);
     var facing = vec3<f32>(0.0);
@@ -49,8 +49,8 @@ fn make_principled(part: ptr<function, Part>, material: u32, at: Footprint, fron
     if opaque > 1e-7 {
         let ior = number(material + MODEL);
         let step_of = (ior - 1.0) / (ior + 1.0);
-        let weight = clamp(number_at_place(input_of(material, 4u), at), 0.0, 1.0);
-        let f0 = weight * step_of * step_of * min(colour_at(input_of(material, 5u), at), one);
+        let weight = share_of(4u);
+        let f0 = weight * step_of * step_of * min(inputs[OWN + 5u], one);
         let several = several_facets(f0, cosine, alpha);
         let gloss = several * (f0 * both.x + weight * both.y);
         facing += left * opaque * several * f0;
@@ -67,7 +67,7 @@ fn make_principled(part: ptr<function, Part>, material: u32, at: Footprint, fron
             glass_all = left * clear * albedo_of_glass((*part).glass, view);
         }
     }
-    let dullness = clamp(number_at_place(input_of(material, 3u), at), 0.0, 1.0);
+    let dullness = share_of(3u);
     (*part).diffuse = oren_nayar(under, dullness, view);
     (*part).open = 1.0 - solid;
     let gloss_all = facing * both.x + edge * both.y;

@@ -7,8 +7,8 @@ struct Ball {
     at_zero: Double,
     per_raw: Double,
     cells: u32,
-    // The first of its six maps.
-    faces: u32,
+    // Where the heights of its six maps begin; all else of them is the same.
+    heights: array<u32, 6>,
 }
 
 var<private> ball: Ball;
@@ -40,7 +40,7 @@ fn lattice_direction(at: vec2<u32>) -> vec3<f32> {
 }
 
 fn ball_raw(side: u32, at: vec2<u32>) -> f32 {
-    show(ball.faces + side);
+    shown_map.heights = ball.heights[side];
     return raw(at.x, at.y);
 }
 
@@ -138,7 +138,10 @@ fn point_of_relief_sphere(hit: Hit, form: u32, first_face: u32) -> Point {
     ball.at_zero = double_in_scene(form + 6u);
     ball.per_raw = double_in_scene(form + 8u);
     ball.cells = scene[form + 10u];
-    ball.faces = first_face;
+    show(first_face);
+    for (var k = 0u; k < 6u; k++) {
+        ball.heights[k] = faces[first_face + k].heights;
+    }
     let n = i32(ball.cells);
     let side = (hit.part >> WALL_SHIFT) % 6u;
     let cell = min(vec2<u32>(hit.cell), vec2<u32>(ball.cells - 1u));

@@ -80,7 +80,7 @@ fn spawn_from(here: Gathering, direction: Place3, end: Double) -> Ray {
     return spawn(point, direction, end);
 }
 
-// What is at a hit: how the path goes on from there.
+// What is at a hit: how the path goes on from there. The inputs of its material are those at hand.
 fn arrive(point: Point, source: Ray, strand: Strand) -> Gathering {
     var here: Gathering;
     let sign = select(-1.0, 1.0, point.front);
@@ -94,7 +94,7 @@ fn arrive(point: Point, source: Ray, strand: Strand) -> Gathering {
     here.line = point.line;
     here.view = -normalize(rough_direction(source));
     here.material = material_of(point.surface);
-    here.diffuse = diffuse_of(here.material, point_at(point.uv));
+    here.diffuse = inputs[DULL];
     if strand.depth < scene[MAX_DEPTH] {
         let first = strand.depth == 0u;
         if !is_black(reflective_of(here.material)) {
@@ -242,16 +242,17 @@ fn take_in(at: u32, hit: Hit) {
         return;
     }
     let point = point_of(hit, source);
+    let material = material_of(hit.surface);
+    read_inputs(material, EMITTED + 1u, Footprint(point.uv, vec2<f32>(0.0)));
     if first_hits {
-        let material = material_of(hit.surface);
-        let albedo = diffuse_of(material, point_at(point.uv)) + reflective_of(material);
+        let albedo = inputs[DULL] + reflective_of(material);
         add_radiance(at, albedo * abs(dot(point.shading, direction)));
         return;
     }
     let here = arrive(point, source, strand);
     var radiance = here.diffuse * triple(AMBIENT);
     if point.front && !(strand.lit != 0u && is_light(hit.surface)) {
-        radiance += emitted_of(here.material, point.uv);
+        radiance += inputs[EMITTED];
     }
     add_radiance(at, strand.throughput * radiance);
     if !is_black(here.diffuse) {

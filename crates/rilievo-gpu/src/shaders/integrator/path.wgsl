@@ -86,23 +86,22 @@ fn take_step(at: u32, walk_of: ptr<function, Walk>, hit: Hit) -> bool {
     }
     let point = point_of(hit, source);
     (*walk_of).distance += point.distance;
-    let material = material_of(hit.surface);
-    let emitted = emitted_of(material, point.uv);
-    if point.front && !is_black(emitted) {
+    let width = number(SPREAD) * (*walk_of).distance;
+    let lengths = vec2<f32>(length(point.along_u), length(point.along_v));
+    let over = select(vec2<f32>(0.0), width / max(lengths, vec2<f32>(1e-37)), lengths > vec2<f32>(0.0));
+    let ends = depth > scene[MAX_DEPTH];
+    var bsdf = bsdf_of(material_of(hit.surface), point, -direction, Footprint(point.uv, over), ends);
+    if point.front && !is_black(bsdf.emitted) {
         var weight = 1.0;
         if (*walk_of).pdf >= 0.0 {
             let before = Receiver((*walk_of).position, (*walk_of).normal, (*walk_of).both_sides != 0u);
             weight = power((*walk_of).pdf, pdf_of_hit(before, direction, point));
         }
-        add_radiance(at, held((*walk_of).throughput * emitted * weight, depth));
+        add_radiance(at, held((*walk_of).throughput * bsdf.emitted * weight, depth));
     }
-    if depth > scene[MAX_DEPTH] {
+    if ends {
         return false;
     }
-    let width = number(SPREAD) * (*walk_of).distance;
-    let lengths = vec2<f32>(length(point.along_u), length(point.along_v));
-    let over = select(vec2<f32>(0.0), width / max(lengths, vec2<f32>(1e-37)), lengths > vec2<f32>(0.0));
-    var bsdf = bsdf_of(material, point, -direction, Footprint(point.uv, over));
     let facing = select(-point.geometric, point.geometric, point.front);
     let receiver = Receiver(point.position, facing, bsdf_transmits(&bsdf));
     // Drawn whether or not they are used, so that every bounce has dimensions of its own.

@@ -26,8 +26,14 @@ fn sky_mixed(at: vec2<f32>) -> vec3<f32> {
     let next = select(i + 1u, 0u, i + 1u == width);
     let j = u32(low);
     let above = min(j + 1u, height - 1u);
-    let lower = mix(sky_texel(i, j), sky_texel(next, j), x - left);
-    return mix(lower, mix(sky_texel(i, above), sky_texel(next, above), x - left), y - low);
+    let part = vec2<f32>(x - left, y - low);
+    var mixed = vec3<f32>(0.0);
+    for (var k = 0u; k < 4u; k++) {
+        let far = vec2<bool>((k & 1u) == 1u, k > 1u);
+        let weights = select(1.0 - part, part, far);
+        mixed += weights.x * weights.y * sky_texel(select(i, next, far.x), select(j, above, far.y));
+    }
+    return mixed;
 }
 
 // The place of a unit direction in the image.

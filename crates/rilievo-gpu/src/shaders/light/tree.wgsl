@@ -65,8 +65,12 @@ fn importance(index: u32, at: Receiver) -> f32 {
 
 // The probability of the first child of an inner node; negative where neither reaches.
 fn first_share(index: u32, at: Receiver) -> f32 {
-    let first = importance(index + 1u, at);
-    let both = first + importance(scene[tree_node(index) + 18u], at);
+    var each: array<f32, 2>;
+    for (var k = 0u; k < 2u; k++) {
+        each[k] = importance(select(index + 1u, scene[tree_node(index) + 18u], k == 1u), at);
+    }
+    let first = each[0];
+    let both = first + each[1];
     if !(both < ENDLESS) {
         return 0.5;
     }

@@ -36,41 +36,24 @@ fn neighbours(u: f32, texels: u32, wrap: u32) -> Neighbours {
     return neighbours_clamped(select(turn, 2.0 - turn, turn > 1.0), texels);
 }
 
+// The colour of the texel `at` places after the first of an image.
 fn texel(coding: u32, texels: u32, at: u32) -> vec3<f32> {
-    if coding > LINEAR_CODES {
-        return triple(texels + 3u * at);
+    let floats = coding > LINEAR_CODES;
+    let place = texels + select(at, 3u * at, floats);
+    let codes = scene[place];
+    var colour: vec3<f32>;
+    for (var channel = 0u; channel < 3u; channel++) {
+        let code = (codes >> (8u * channel)) & 255u;
+        if coding == LINEAR_CODES {
+            colour[channel] = f32(code) / 255.0;
+        } else {
+            colour[channel] = number(select(scene[SRGB_TABLE] + code, place + channel, floats));
+        }
     }
-    let word = scene[texels + at];
-    let codes = vec3<u32>(word & 255u, (word >> 8u) & 255u, (word >> 16u) & 255u);
-    if coding == LINEAR_CODES {
-        return vec3<f32>(codes) / 255.0;
-    }
-    let table = scene[SRGB_TABLE];
-    return vec3<f32>(number(table + codes.x), number(table + codes.y), number(table + codes.z));
+    return colour;
 }
 
-// The colour at a place of one of the images that halve each other.
-fn lookup_level(image: u32, level: u32, p: vec2<f32>, wrap: vec2<u32>) -> vec3<f32> {
-    let at = image + 2u + 3u * min(level, scene[image + 1u] - 1u);
-    let columns = scene[at];
-    let x = neighbours(p.x, columns, wrap.x);
-    let y = neighbours(p.y, scene[at + 1u], wrap.y);
-    let coding = scene[image];
-    let texels = scene[at + 2u];
-    let low = mix(
-        texel(coding, texels, y.first * columns + x.first),
-        texel(coding, texels, y.first * columns + x.next),
-        x.part,
-    );
-    let high = mix(
-        texel(coding, texels, y.next * columns + x.first),
-        texel(coding, texels, y.next * columns + x.next),
-        x.part,
-    );
-    return mix(low, high, y.part);
-}
-
-// The linear colour of a texture, on average over a footprint.
+// The linear colour of a texture, on average over a footprint. Every texel is read in one place.
 fn mean_colour(texture: u32, at: Footprint) -> vec3<f32> {
     let image = scene[texture];
     let tile = vec2<f32>(number(texture + 1u), number(texture + 2u));
@@ -83,14 +66,30 @@ fn mean_colour(texture: u32, at: Footprint) -> vec3<f32> {
     let t = abs(turn);
     let width = vec2<f32>(t.x * w.x + t.y * w.y, t.y * w.x + t.x * w.y);
     let side = min(width.x * f32(scene[image + 2u]), width.y * f32(scene[image + 3u]));
-    if !(side > 1.0) {
-        return lookup_level(image, 0u, place, wrap);
+    let last = scene[image + 1u] - 1u;
+    let depth = log2(max(side, 1.0));
+    let fine = min(floor(depth), 64.0);
+    // The share of the coarser of two images that halve each other.
+    var coarser = depth - fine;
+    if u32(fine) >= last || coarser < 1e-3 {
+        coarser = 0.0;
     }
-    let depth = log2(side);
-    let whole = min(floor(depth), 64.0);
-    let fine = lookup_level(image, u32(whole), place, wrap);
-    if u32(whole) + 1u >= scene[image + 1u] || depth - whole < 1e-3 {
-        return fine;
+    let coding = scene[image];
+    var colour = vec3<f32>(0.0);
+    for (var k = 0u; k < select(1u, 2u, coarser > 0.0); k++) {
+        let level = image + 2u + 3u * min(u32(fine) + k, last);
+        let columns = scene[level];
+        let x = neighbours(place.x, columns, wrap.x);
+        let y = neighbours(place.y, scene[level + 1u], wrap.y);
+        let share = select(1.0 - coarser, coarser, k == 1u);
+        for (var corner = 0u; corner < 4u; corner++) {
+            let right = (corner & 1u) == 1u;
+            let above = corner > 1u;
+            let weight = select(1.0 - x.part, x.part, right) * select(1.0 - y.part, y.part, above);
+            let row = select(y.first, y.next, above);
+            let one = texel(coding, scene[level + 2u], row * columns + select(x.first, x.next, right));
+            colour += share * weight * one;
+        }
     }
-    return mix(fine, lookup_level(image, u32(whole) + 1u, place, wrap), depth - whole);
+    return colour;
 }
