@@ -1,6 +1,8 @@
 //! Forms: what the shaders of light ask of surfaces beside what those of rays do: normals, uv, tangents, and where points
 //! are. The twins of each surface's `complete` (`shaders/hit`) read them. Everything is worked out in `f64` here, once.
 
+mod mesh;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -12,6 +14,7 @@ use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::device::{HEAD, NOTHING, SceneWords, Uncovered};
 
 use crate::records::Words;
+pub(crate) use mesh::{SHELL_FORM, SHELL_WALL_FORM};
 
 /// Words that are said of a surface.
 pub(crate) const SURFACE_RECORD: u32 = 8;
@@ -72,7 +75,7 @@ fn write_form(words: &mut Vec<u32>, surface: &Surface, anchor: DVec3) -> Result<
         Surface::Sphere(sphere) => write_sphere(words, sphere, anchor),
         Surface::Mesh(mesh) => write_mesh(words, mesh, anchor)?,
         Surface::ReliefSphere(sphere) => write_relief_sphere(words, sphere, anchor)?,
-        Surface::ReliefMesh(_) => return Err(Uncovered("a displaced mesh")),
+        Surface::ReliefMesh(mesh) => mesh::write_relief_mesh(words, mesh, anchor)?,
         Surface::Instance(_) | Surface::Moving(_) => {
             return Err(Uncovered("an instance of an instance"));
         }

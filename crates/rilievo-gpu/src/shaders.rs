@@ -5,7 +5,7 @@
 use rilievo_render::device::{HEAD, Parts};
 use rilievo_render::light::{LIGHT_WORDS, TREE_WORDS};
 
-use crate::forms::{SURFACE_RECORD, TRIANGLE_FORM};
+use crate::forms::{SHELL_FORM, SHELL_WALL_FORM, SURFACE_RECORD, TRIANGLE_FORM};
 use crate::pages::Pages;
 
 /// Group of the words of bounds.
@@ -42,9 +42,10 @@ pub(crate) fn closest(walks: Walks, [heights, bounds]: [Pages; 2]) -> String {
 pub(crate) struct Light {
     /// What the scene asks for; the rest is left out.
     pub parts: Parts,
-    /// Whether there are displaced faces, displaced spheres, and instances.
+    /// Whether there are displaced faces, spheres and meshes, and instances.
     pub faces: bool,
     pub relief_spheres: bool,
+    pub relief_meshes: bool,
     pub instances: bool,
     /// Points of a tree of rays that wait at once.
     pub points: u32,
@@ -60,7 +61,8 @@ impl Light {
     /// The names of words, as `rilievo_render::device` places them, and what is left out.
     fn text(self) -> String {
         let Parts { images, normals, sky, metals, glass, principled, mixes, .. } = self.parts;
-        let (jittered, Self { faces, relief_spheres, instances, .. }) = (self.parts.jittered, self);
+        let (jittered, Self { faces, relief_spheres, relief_meshes, instances, .. }) =
+            (self.parts.jittered, self);
         let flags = [
             ("IMAGES", images),
             ("NORMALS", normals),
@@ -72,6 +74,7 @@ impl Light {
             ("JITTERED", jittered),
             ("FACES", faces),
             ("RELIEF_SPHERES", relief_spheres),
+            ("RELIEF_MESHES", relief_meshes),
             ("INSTANCES", instances),
         ];
         let flags = flags.map(|(name, is)| format!("const {name}: bool = {is};\n"));
@@ -80,6 +83,8 @@ impl Light {
             ("TREE_RECORD", TREE_WORDS),
             ("SURFACE_RECORD", SURFACE_RECORD),
             ("TRIANGLE_FORM", TRIANGLE_FORM as u32),
+            ("SHELL_FORM", SHELL_FORM as u32),
+            ("SHELL_WALL_FORM", SHELL_WALL_FORM as u32),
             ("POINTS", self.points),
         ];
         let places = (0..).zip(HEAD).filter(|(_, name)| !name.is_empty());
@@ -258,6 +263,7 @@ const SHADED: &str = concat!(
     include_str!("shaders/hit/face.wgsl"),
     include_str!("shaders/hit/flat.wgsl"),
     include_str!("shaders/hit/sphere.wgsl"),
+    include_str!("shaders/hit/mesh.wgsl"),
     include_str!("shaders/light/light.wgsl"),
     include_str!("shaders/light/rectangle.wgsl"),
     include_str!("shaders/light/environment.wgsl"),
@@ -322,13 +328,13 @@ mod tests {
     fn light_is_valid_without_optional_features() {
         // All, none, and one part at a time.
         for pages in [ONE, THREE] {
-            let one = (0..12).map(|bit| 1 << bit).filter(|_| pages == ONE);
-            for parts in [0xfff, 0].into_iter().chain(one) {
+            let one = (0..13).map(|bit| 1 << bit).filter(|_| pages == ONE);
+            for parts in [0x1fff, 0].into_iter().chain(one) {
                 for path in [false, true] {
-                    let has: [bool; 12] = std::array::from_fn(|bit| parts >> bit & 1 != 0);
+                    let has: [bool; 13] = std::array::from_fn(|bit| parts >> bit & 1 != 0);
                     let [images, normals, sky, metals, glass, principled, mixes, jittered, ..] =
                         has;
-                    let [.., faces, relief_spheres, instances] = has;
+                    let [.., relief_meshes, faces, relief_spheres, instances] = has;
                     let parts = Parts {
                         path,
                         images,
@@ -340,7 +346,8 @@ mod tests {
                         mixes,
                         jittered,
                     };
-                    let light = Light { parts, points: 4, faces, relief_spheres, instances };
+                    let light =
+                        Light { parts, points: 4, faces, relief_spheres, relief_meshes, instances };
                     assert_eq!(validated(&advance(light, pages)).entry_points.len(), 1);
                 }
             }

@@ -290,6 +290,7 @@ impl OnDevice {
             points,
             faces: has(upload::FACE),
             relief_spheres: has(upload::RELIEF_SPHERE),
+            relief_meshes: has(upload::RELIEF_MESH),
             instances: scene.world().surfaces().iter().any(|s| matches!(s, Surface::Instance(_))),
         };
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;

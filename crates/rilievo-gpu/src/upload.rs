@@ -30,6 +30,8 @@ const LEAF_TRIANGLES: u32 = 4;
 pub(crate) const FACE: u32 = 1;
 /// The kind of a displaced sphere.
 pub(crate) const RELIEF_SPHERE: u32 = 4;
+/// The kind of a displaced mesh.
+pub(crate) const RELIEF_MESH: u32 = 5;
 
 /// The buffers of a world, in words, and where its maps are to lie.
 #[derive(Default)]
@@ -258,6 +260,8 @@ fn kind_and_face(record: &[u32], numbers: &[u32]) -> [u32; 2] {
         FACE => record[1],
         // The last of a displaced sphere's numbers; see `shells::write_sphere`.
         RELIEF_SPHERE => numbers[record[1] as usize + 21],
+        // See `shells::write_mesh`.
+        RELIEF_MESH => numbers[record[1] as usize + 13],
         _ => u32::MAX,
     };
     [record[0], face]

@@ -15,7 +15,7 @@ use rilievo_render::{
     Scene, Texels, render,
 };
 
-use room::Room;
+use room::{Room, Shapes};
 
 /// One device, so that what was compiled serves all tests.
 fn gpu() -> Option<&'static Gpu> {
@@ -86,7 +86,7 @@ fn sky() -> Environment {
 /// A room that shines in every way, so that each integrator is compiled once.
 fn shining() -> Room {
     let ball = Material { emitted: Rgb::new(0.5, 0.2, 0.1), ..Material::default() };
-    Room { ball, displaced: true, ..Room::default() }
+    Room { ball, shapes: Shapes::Ball, ..Room::default() }
 }
 
 #[test]
@@ -135,6 +135,20 @@ fn layers_mixes_and_bumps_scatter_as_they_do_on_the_cpu() {
         [("painted", materials::painted_room()), ("repainted", materials::repainted_room())]
     {
         compare(gpu, name, &room.scene(settings).with_environment(sky()).with_lamps(lamps()));
+    }
+}
+
+#[test]
+fn displaced_meshes_look_as_they_do_on_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let room = || Room { shapes: Shapes::Meshes, ..Room::default() };
+    let distributed = RenderSettings { diffuse_samples: 1, ..settings(Integrator::Distributed) };
+    for (name, settings) in [
+        ("first hits of meshes", settings(Integrator::Aov)),
+        ("trees around meshes", distributed),
+        ("paths around meshes", settings(Integrator::Path)),
+    ] {
+        compare(gpu, name, &room().scene(settings).with_lamps(lamps()));
     }
 }
 

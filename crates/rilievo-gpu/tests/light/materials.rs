@@ -9,7 +9,7 @@ use rilievo_render::scene::{Conductor, Diffuse, Glass, Metal, Mix, Model, Princi
 use rilievo_render::texture::{Channel, ColourInput, NormalInput, NumberInput, Texture};
 use rilievo_render::{Material, Rgb};
 
-use crate::room::{Room, image};
+use crate::room::{Room, Shapes, image};
 
 fn colour(r: f64, g: f64, b: f64) -> ColourInput {
     ColourInput::uniform(Rgb::new(r, g, b))
@@ -112,7 +112,7 @@ pub fn painted_room() -> Room {
     let [floor, cloth, ball, sheet] = layers();
     let wall = mix(detailed(copper(0.5)), cloth, channel(Channel::Blue, false));
     let pyramid = mix(window(0.3), sheet, NumberInput::uniform(0.5));
-    Room { floor, wall, ball, pyramid, displaced: true, ..Room::default() }
+    Room { floor, wall, ball, pyramid, shapes: Shapes::Ball, ..Room::default() }
 }
 
 /// The same materials on other surfaces.
@@ -120,5 +120,5 @@ pub fn repainted_room() -> Room {
     let [painted, cloth, body, sheet] = layers();
     let ball = mix(detailed(clay(0.5)), painted, NumberInput::uniform(0.4));
     let wall = mix(copper(0.3), body, NumberInput::uniform(1.0));
-    Room { floor: cloth, wall, ball, pyramid: sheet, displaced: true, ..Room::default() }
+    Room { floor: cloth, wall, ball, pyramid: sheet, shapes: Shapes::Ball, ..Room::default() }
 }

@@ -6,8 +6,8 @@ use rilievo::glam::{DAffine3, DVec2, DVec3};
 use rilievo::map::{HeightMap, Lattice, Procedural, Tiling, Wrap};
 use rilievo::mesh::{Mesh, MeshData, Triangle};
 use rilievo::relief::{
-    CubeRelief, Displacement, FaceOptions, Relief, ReliefFace, ReliefSphere, ShadingNormals,
-    SphereOptions,
+    CubeRelief, Displacement, FaceOptions, MeshOptions, Relief, ReliefFace, ReliefMesh,
+    ReliefSphere, ShadingNormals, SphereOptions,
 };
 use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
 use rilievo_render::{
@@ -22,11 +22,19 @@ pub struct Room {
     pub lamp: Material,
     pub ball: Material,
     pub pyramid: Material,
-    /// Whether the ball is displaced.
-    pub displaced: bool,
+    pub shapes: Shapes,
     pub background: Rgb,
     pub ambient: Rgb,
     pub side: u32,
+}
+
+/// What of the room is displaced beside the floor.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Shapes {
+    Plain,
+    Ball,
+    /// The pyramids, one of which stands in the place of the ball. The floor is flat.
+    Meshes,
 }
 
 impl Default for Room {
@@ -41,7 +49,7 @@ impl Default for Room {
             lamp: Material { emitted: Rgb::new(5.0, 4.0, 3.0), ..grey(0.1) },
             ball: Material { reflective: Rgb::splat(0.4), roughness: 0.4, ..grey(0.3) },
             pyramid: grey(0.5),
-            displaced: false,
+            shapes: Shapes::Plain,
             background: Rgb::new(0.1, 0.2, 0.3),
             ambient: Rgb::splat(0.02),
             side: 24,
@@ -72,18 +80,30 @@ fn hills() -> HeightMap {
 }
 
 /// A pyramid over a square, with normals of its own on two sides.
-fn pyramid() -> Mesh {
+fn pyramid(place: DAffine3, with_uvs: bool) -> Mesh {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let mut positions: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
     positions.push(DVec3::new(0.0, 0.0, 1.5));
-    let normals: Vec<DVec3> = positions.iter().map(|p| (*p + 0.2 * DVec3::Z).normalize()).collect();
+    positions.iter_mut().for_each(|p| *p = place.transform_point3(*p));
+    let normals: Vec<DVec3> =
+        positions.iter().map(|p| (*p - place.translation + 0.2 * DVec3::Z).normalize()).collect();
     let uvs = vec![DVec2::ZERO, DVec2::X, DVec2::new(0.4, 1.0)];
     let triangles = (0..4).map(|k| {
         let positions = [k, (k + 1) % 4, 4];
         let normals = (k % 2 == 0).then_some(positions);
-        Triangle { positions, normals, uvs: (k < 2).then_some([0, 1, 2]) }
+        Triangle { positions, normals, uvs: (with_uvs || k < 2).then_some([0, 1, 2]) }
     });
     Mesh::new(MeshData { positions, normals, uvs, triangles: triangles.collect() }).unwrap()
+}
+
+/// Its sides show other heights along their edges, so walls stand there, and around its open base.
+fn displaced_pyramid(place: DAffine3) -> Surface {
+    let displacement =
+        Displacement { scale: 0.25, zero: 0.2, tile: [2.0, 1.5], ..Default::default() };
+    let options =
+        MeshOptions { displacement, normals: ShadingNormals::Smooth, ..Default::default() };
+    let mesh = pyramid(place, true);
+    ReliefMesh::new(&mesh, Arc::new(Relief::new(hills())), options).unwrap().into()
 }
 
 fn quad(corners: [[f64; 3]; 4]) -> Surface {
@@ -101,19 +121,28 @@ impl Room {
         let corners = floor.map(|[x, y]| DVec3::new(x, y, 0.0));
         let face = ReliefFace::new(corners, Arc::new(Relief::new(hills())), options).unwrap();
         let center = DVec3::new(-0.8, 0.3, 0.9);
-        let ball: Surface = if self.displaced {
-            let map = Procedural::Fbm { octaves: 3, seed: 9 };
-            let map: HeightMap =
-                map.height_map_f32([32, 16], Lattice::Texel, Wrap::Repeat).unwrap();
-            let displacement = Displacement { scale: 0.15, ..Default::default() };
-            let normals = ShadingNormals::Smooth;
-            let options = SphereOptions { displacement, normals, ..Default::default() };
-            let relief = CubeRelief::new(&map, Tiling::default()).unwrap();
-            ReliefSphere::new(center, 0.5, relief, options).unwrap().into()
-        } else {
-            Sphere::new(center, 0.6).unwrap().into()
+        let ball: Surface = match self.shapes {
+            Shapes::Plain => Sphere::new(center, 0.6).unwrap().into(),
+            Shapes::Meshes => {
+                let place = DAffine3::from_translation(center - 0.5 * DVec3::Z);
+                displaced_pyramid(place * DAffine3::from_scale(DVec3::splat(0.5)))
+            }
+            Shapes::Ball => {
+                let map = Procedural::Fbm { octaves: 3, seed: 9 };
+                let map: HeightMap =
+                    map.height_map_f32([32, 16], Lattice::Texel, Wrap::Repeat).unwrap();
+                let displacement = Displacement { scale: 0.15, ..Default::default() };
+                let normals = ShadingNormals::Smooth;
+                let options = SphereOptions { displacement, normals, ..Default::default() };
+                let relief = CubeRelief::new(&map, Tiling::default()).unwrap();
+                ReliefSphere::new(center, 0.5, relief, options).unwrap().into()
+            }
         };
-        let shown = Arc::new(Surface::from(pyramid()));
+        let meshes = self.shapes == Shapes::Meshes;
+        let shown = Arc::new(match meshes {
+            true => displaced_pyramid(DAffine3::IDENTITY),
+            false => pyramid(DAffine3::IDENTITY, false).into(),
+        });
         let stood = |x: f64, size: f64| -> Surface {
             let turned = DAffine3::from_rotation_z(0.4 + x);
             let place = DAffine3::from_translation(DVec3::new(x, -0.2, 0.35));
@@ -121,7 +150,7 @@ impl Room {
             Instance::new(Arc::clone(&shown), place * turned * sized).unwrap().into()
         };
         let surfaces = vec![
-            face.into(),
+            if meshes { quad(floor.map(|[x, y]| [x, y, 0.0])) } else { face.into() },
             quad([[-2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [2.0, 2.0, 3.0], [-2.0, 2.0, 3.0]]),
             quad([[-0.7, -0.5, 3.0], [-0.7, 0.8, 3.0], [0.7, 0.8, 3.0], [0.7, -0.5, 3.0]]),
             ball,

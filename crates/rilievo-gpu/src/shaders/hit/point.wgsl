@@ -96,6 +96,11 @@ fn point_of(hit: Hit, source: Ray) -> Point {
                 point = point_of_relief_sphere(hit, form, scene[record + 4u]);
             }
         }
+        case RELIEF_MESH: {
+            if RELIEF_MESHES {
+                point = point_of_relief_mesh(hit, local, form, scene[record + 4u]);
+            }
+        }
         default: {
             point = point_of_triangle(hit, local, form);
         }
