@@ -1,9 +1,10 @@
-//! Rays in packets get the bits of the ray alone: on every scene, layout and SIMD level.
+//! Rays that are traced together, as packets or not, get the bits of the ray alone: on every scene, layout and
+//! SIMD level.
 
 use rilievo::glam::DVec3;
 use rilievo::map::Layout;
 use rilievo::relief::{Crossing, Method, ReliefFace};
-use rilievo::{Ray, SimdLevel};
+use rilievo::{Coherence, Ray, SimdLevel};
 use rilievo_tests::kernel;
 use rilievo_tests::random::Random;
 use rilievo_tests::rays::Family;
@@ -39,15 +40,23 @@ fn bits(crossing: &Option<Crossing>) -> Option<[u64; 4]> {
     ])
 }
 
-/// Number of rays that hit, after comparing packets with single rays.
+/// Number of rays that hit, after comparing rays together with single rays.
 fn compare(face: &ReliefFace, rays: &[Ray], what: &str) -> usize {
-    let mut packet = vec![None; rays.len()];
-    face.first_crossings(rays, &mut packet, &mut ());
-    for (ray, together) in rays.iter().zip(&packet) {
-        let alone = face.first_crossing(ray, &mut ());
-        assert_eq!(bits(&alone), bits(together), "{what}: {ray:?}");
+    let alone: Vec<_> = rays.iter().map(|ray| face.first_crossing(ray, &mut ())).collect();
+    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        // What stands there before is to be overwritten.
+        let mut together = vec![alone.iter().flatten().next().copied(); rays.len()];
+        face.first_crossings((rays, coherence), &mut together, &mut ());
+        for ((ray, alone), together) in rays.iter().zip(&alone).zip(&together) {
+            assert_eq!(bits(alone), bits(together), "{what}, {coherence:?}: {ray:?}");
+        }
     }
-    packet.iter().flatten().count()
+    let mut occluded = vec![false; rays.len()];
+    face.occludes_each(rays, &mut occluded, &mut ());
+    for ((ray, alone), occluded) in rays.iter().zip(&alone).zip(occluded) {
+        assert_eq!(alone.is_some(), occluded, "{what}: {ray:?}");
+    }
+    alone.iter().flatten().count()
 }
 
 #[test]

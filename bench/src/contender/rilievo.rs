@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use rilievo::Ray;
 use rilievo::map::Layout;
 use rilievo::relief::{Displacement, FaceOptions, Relief, ReliefFace};
+use rilievo::{Coherence, Ray};
 
 use super::{Built, Contender, Facts, Task};
 use crate::clock::Watch;
@@ -70,7 +70,7 @@ impl Loaded<'_> {
             let mut found = vec![None; self.width];
             for rays in self.rays.chunks(self.width) {
                 let found = &mut found[..rays.len()];
-                self.face.first_crossings(rays, found, &mut ());
+                self.face.first_crossings((rays, Coherence::Coherent), found, &mut ());
                 for crossing in found.iter().flatten() {
                     tally.hit(crossing.t);
                 }

@@ -73,5 +73,5 @@ pub mod surface;
 pub use glam;
 pub use hit::Hit;
 pub use probe::{Counters, Probe};
-pub use ray::{Origin, Part, Ray, Wall};
+pub use ray::{Coherence, Origin, Part, Ray, Wall};
 pub use simd::{SimdLevel, UnknownSimdLevel};

@@ -28,6 +28,15 @@ pub struct Ray {
     pub time: f64,
 }
 
+/// What is known of rays that are traced together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// They start close together and go about the same way, like the camera rays of a pixel.
+    Coherent,
+    /// Anything else: shadow rays to an area light, bounces.
+    Incoherent,
+}
+
 /// The place on a surface from which a ray starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {

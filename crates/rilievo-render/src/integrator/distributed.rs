@@ -21,13 +21,12 @@
 //! falls below the surface is mirrored back above it.
 //!
 //! The recursion is unrolled: a [`Branch`] of the tree is a ray that still has to be traced and what its radiance counts in
-//! the pixel. [`Distributed::grow`] shades a hit and hands the rays it spawns to a [`Sink`]: one that traces them one after the
-//! other ([`Distributed::radiance`]), or one that keeps them until there are many (`wave.rs`).
+//! the pixel. [`Distributed::grow`] shades a hit and hands the rays it spawns to a [`Sink`], which keeps them until those of
+//! a few camera rays (`trees.rs`) or of very many (`wave.rs`) can be traced together.
 
 use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
-use rilievo::surface::World;
 use rilievo::{Hit, Ray};
 
 use super::RayCounts;
@@ -37,7 +36,6 @@ use crate::level_of_detail::Detail;
 use crate::light::{Light, QuadLight, SphereLight};
 use crate::sampler::{Dimension, PixelTable, Strand, warp};
 use crate::scene::{Material, Scene};
-use crate::tracer::ShadowRay;
 
 /// A place in the tree of rays of a pixel.
 #[derive(Clone, Copy)]
@@ -78,37 +76,11 @@ pub(super) trait Sink {
     /// Radiance against the camera ray.
     fn bring(&mut self, radiance: Rgb);
 
-    /// Radiance against the camera ray, if the shadow ray meets nothing.
-    fn ask(&mut self, shadow: ShadowRay, radiance: Rgb);
+    /// Radiance against the camera ray, if the shadow ray meets nothing but `exempt`, the light at its end.
+    fn ask(&mut self, shadow: Ray, exempt: Option<u32>, radiance: Rgb);
 
     /// A branch that grows from this one.
     fn spawn(&mut self, branch: Branch);
-}
-
-/// Asks the world at once.
-struct AtOnce<'a> {
-    world: &'a World,
-    radiance: Rgb,
-    branches: &'a mut Vec<Branch>,
-}
-
-impl Sink for AtOnce<'_> {
-    #[inline]
-    fn bring(&mut self, radiance: Rgb) {
-        self.radiance += radiance;
-    }
-
-    #[inline]
-    fn ask(&mut self, shadow: ShadowRay, radiance: Rgb) {
-        if !shadow.is_occluded(self.world) {
-            self.radiance += radiance;
-        }
-    }
-
-    #[inline]
-    fn spawn(&mut self, branch: Branch) {
-        self.branches.push(branch);
-    }
 }
 
 /// Rays with which a path goes on from a hit.
@@ -153,23 +125,6 @@ pub(super) struct Distributed<'a> {
 }
 
 impl Distributed<'_> {
-    /// Radiance that arrives against a camera ray, given what it meets. `branches` is empty, before and after.
-    pub(super) fn radiance(
-        &mut self,
-        root: &Branch,
-        hit: Option<&Hit>,
-        branches: &mut Vec<Branch>,
-    ) -> Rgb {
-        let world = self.detail.world;
-        let mut sink = AtOnce { world, radiance: Rgb::ZERO, branches };
-        self.grow(root, hit, &mut sink);
-        while let Some(branch) = sink.branches.pop() {
-            let hit = world.closest(&branch.ray, &mut ());
-            self.grow(&branch, hit.as_ref(), &mut sink);
-        }
-        sink.radiance
-    }
-
     /// What becomes of a branch, given what its ray meets.
     pub(super) fn grow(&mut self, branch: &Branch, hit: Option<&Hit>, sink: &mut impl Sink) {
         let Branch { ray, path, weight } = *branch;
@@ -297,8 +252,8 @@ impl Distributed<'_> {
             }
             self.rays.shadow += 1;
             let way = hit.spawn(sample.position - hit.position);
-            let shadow = ShadowRay { ray: Ray { t_max: sample.clear, ..way }, exempt };
-            sink.ask(shadow, weight * (cosine * sample.weight));
+            let shadow = Ray { t_max: sample.clear, ..way };
+            sink.ask(shadow, exempt, weight * (cosine * sample.weight));
         }
     }
 

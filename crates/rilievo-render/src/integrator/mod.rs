@@ -4,6 +4,7 @@ mod aov;
 mod distributed;
 mod path;
 mod pixel;
+mod trees;
 mod wave;
 
 pub(crate) use path::spread as path_spread;

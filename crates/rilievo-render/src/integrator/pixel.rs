@@ -1,11 +1,14 @@
 //! [`PixelTracer`]: all samples of a pixel.
 
+use std::ops::Range;
+
 use glam::DVec2;
-use rilievo::{Counters, Hit, Ray};
+use rilievo::{Coherence, Counters, Hit, Ray};
 
 use super::aov::{LayerSum, headlight, layer_value};
-use super::distributed::{Branch, Distributed};
+use super::distributed::Branch;
 use super::path::PathTracer;
+use super::trees::{Room, Trees};
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::film::sums::PixelSums;
@@ -30,8 +33,8 @@ pub(crate) struct PixelTracer<'a> {
     packet: Packet,
     /// Coarser worlds, and how wide camera rays are.
     levels: Option<(&'a LevelOfDetail, Cone)>,
-    /// The branches of the tree in hand that are to be traced.
-    branches: Vec<Branch>,
+    /// For the trees of the packet in hand.
+    room: Room,
     /// What the next camera rays meet and see, if that was found elsewhere.
     answers: Option<Answers<'a>>,
 }
@@ -51,8 +54,8 @@ impl<'a> PixelTracer<'a> {
             (scene.settings().integrator == Integrator::Path).then(|| PathTracer::of_camera(scene));
         let cone = Cone::of(scene.camera(), scene.settings().lod);
         let levels = scene.level_of_detail().map(|levels| (levels, cone));
-        let (sums, branches, answers) = (Vec::new(), Vec::new(), None);
-        Self { scene, pixel_centers, rays, table, paths, sums, packet, levels, branches, answers }
+        let (sums, room, answers) = (Vec::new(), Room::default(), None);
+        Self { scene, pixel_centers, rays, table, paths, sums, packet, levels, room, answers }
     }
 
     /// A tracer whose camera rays were traced elsewhere: those of [`PixelTracer::camera_rays`], pixel by
@@ -100,10 +103,11 @@ impl<'a> PixelTracer<'a> {
         let (mut radiance, mut weights) = (Rgb::ZERO, 0.0);
         for first in (0..samples).step_by(PACKET) {
             self.shoot(pixel, [first, samples], steps);
+            self.look(first);
             for k in 0..self.packet.rays.len() {
                 let weight = self.packet.weights[k];
                 weights += weight;
-                radiance += weight * self.seen(k, first);
+                radiance += weight * self.packet.seen[k];
                 if weight < 0.0 {
                     continue;
                 }
@@ -126,9 +130,10 @@ impl<'a> PixelTracer<'a> {
         let [first, end] = range.map(u64::from);
         for first in (first..end).step_by(PACKET) {
             self.shoot(pixel, [first, end], steps);
+            self.look(first);
             for k in 0..self.packet.rays.len() {
                 let weight = self.packet.weights[k];
-                sums.add(self.seen(k, first), weight);
+                sums.add(self.packet.seen[k], weight);
                 if weight > 0.0 {
                     let (hit, work) = (self.packet.hits[k].as_ref(), self.packet.work[k]);
                     sums.add_layers(hit.is_some(), |aov| layer_value(aov, self.scene, hit, work));
@@ -179,29 +184,54 @@ impl<'a> PixelTracer<'a> {
         }
     }
 
-    /// The radiance that comes against camera ray `k` of a packet that begins with sample `first`.
-    fn seen(&mut self, k: usize, first: u64) -> Rgb {
-        if let Some(seen) = self.answers.as_mut().and_then(|answers| answers.seen.next()) {
-            return *seen;
+    /// Finds the radiance that comes against the camera rays of a packet that begins with sample `first`.
+    fn look(&mut self, first: u64) {
+        let rays = self.packet.rays.len();
+        self.packet.seen[..rays].fill(Rgb::ZERO);
+        if let Some(answers) = self.answers.as_mut().filter(|answers| answers.seen.len() > 0) {
+            for (seen, answer) in self.packet.seen[..rays].iter_mut().zip(&mut answers.seen) {
+                *seen = *answer;
+            }
+            return;
         }
-        let strand = Strand { index: first + k as u64, count: self.samples() };
-        let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
-        let world = self.scene.world();
-        let detail = match &self.levels {
-            Some((levels, _)) => levels.detail(world, self.packet.levels[k]),
-            None => Detail::full(world),
-        };
         match (self.scene.settings().integrator, &self.paths) {
             (Integrator::Path, Some(paths)) => {
-                paths.radiance(ray, (hit, detail), self.packet.numbers[k], &mut self.rays)
+                for k in 0..rays {
+                    let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+                    let (met, numbers) = ((hit, self.detail(k)), self.packet.numbers[k]);
+                    self.packet.seen[k] = paths.radiance(ray, met, numbers, &mut self.rays);
+                }
             }
-            (Integrator::Distributed, _) => {
-                let (table, rays) = (&mut self.table, &mut self.rays);
-                let mut tree = Distributed { scene: self.scene, detail, table, rays };
-                tree.radiance(&Branch::root(*ray, strand), hit, &mut self.branches)
+            (Integrator::Distributed, _) if self.levels.is_none() => self.grow(first, 0..rays),
+            // Each in a world of its own.
+            (Integrator::Distributed, _) => (0..rays).for_each(|k| self.grow(first, k..k + 1)),
+            (Integrator::Aov | Integrator::Path, _) => {
+                for k in 0..rays {
+                    let (ray, hit) = (&self.packet.rays[k], self.packet.hits[k].as_ref());
+                    self.packet.seen[k] = headlight(self.scene, ray, hit);
+                }
             }
-            (Integrator::Aov | Integrator::Path, _) => headlight(self.scene, ray, hit),
         }
+    }
+
+    /// The world that camera ray `k` of the packet goes on in.
+    fn detail(&self, k: usize) -> Detail<'a> {
+        let world = self.scene.world();
+        match &self.levels {
+            Some((levels, _)) => levels.detail(world, self.packet.levels[k]),
+            None => Detail::full(world),
+        }
+    }
+
+    /// Grows the trees of some camera rays of the packet, which go on in the same world.
+    fn grow(&mut self, first: u64, some: Range<usize>) {
+        let (count, detail) = (self.samples(), self.detail(some.start));
+        let Self { scene, table, rays, room, packet, .. } = self;
+        let strands = (first + some.start as u64..).map(|index| Strand { index, count });
+        let roots = packet.rays[some.clone()].iter().zip(strands);
+        let roots = roots.map(|(ray, strand)| Branch::root(*ray, strand));
+        let mut trees = Trees { scene, detail, table, rays, room };
+        trees.grow(roots, &packet.hits[some.clone()], &mut packet.seen[some]);
     }
 
     /// The camera ray of sample `index` of `pixel`, at its centre or where `numbers` say, and the
@@ -258,6 +288,8 @@ struct Packet {
     /// The level of each hit, 0 for the full world.
     levels: [usize; PACKET],
     hits: [Option<Hit>; PACKET],
+    /// Radiance against each.
+    seen: [Rgb; PACKET],
     /// Work that each ray took, if it was counted.
     work: [u64; PACKET],
 }
@@ -271,6 +303,7 @@ impl Packet {
             level_numbers: Vec::with_capacity(PACKET),
             levels: [0; PACKET],
             hits: [None; PACKET],
+            seen: [Rgb::ZERO; PACKET],
             work: [0; PACKET],
         }
     }
@@ -303,7 +336,7 @@ impl Packet {
         let world = scene.world();
         if !count {
             let hits = &mut self.hits[..self.rays.len()];
-            return world.closest_packet(&self.rays, hits, &mut ());
+            return world.closest_each((&self.rays, Coherence::Coherent), hits, &mut ());
         }
         for (k, ray) in self.rays.iter().enumerate() {
             let mut counters = Counters::default();

@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use rilievo::Ray;
 
-use super::distributed::{Branch, Distributed, Sink};
+use super::distributed::{Branch, Distributed};
 use super::path::{Answer, PathTracer, Question, Walk};
+use super::trees::{Growth, Twig, half};
 use super::{Integrator, RayCounts};
 use crate::colour::Rgb;
 use crate::level_of_detail::Detail;
@@ -185,35 +186,31 @@ impl Wave<'_> {
         let lights = self.scene.lights().len();
         let grow = |(twigs, found): (&[Twig], &[Traced])| {
             let (mut table, mut pixel) = (PixelTable::new(lights), None);
-            let (mut queue, mut counts) = (Queue::default(), RayCounts::default());
+            let (mut growth, mut counts) = (Growth::default(), RayCounts::default());
             for (twig, traced) in twigs.iter().zip(found) {
                 let at = rays[twig.root].pixel;
                 if pixel != Some(at) {
                     table.start(Sampler::new(self.scene.settings().seed, at));
                     pixel = Some(at);
                 }
-                queue.root = twig.root;
+                growth.root = twig.root;
                 let (table, rays) = (&mut table, &mut counts);
                 let detail = Detail::full(self.scene.world());
                 let mut tree = Distributed { scene: self.scene, detail, table, rays };
-                tree.grow(&twig.branch, traced.hit.as_ref(), &mut queue);
+                tree.grow(&twig.branch, traced.hit.as_ref(), &mut growth);
             }
-            (queue, counts)
+            (growth, counts)
         };
-        let grown: Vec<(Queue, RayCounts)> =
+        let grown: Vec<(Growth, RayCounts)> =
             twigs.par_chunks(CHUNK).zip(found.par_chunks(CHUNK)).map(grow).collect();
         let shadows: Vec<ShadowRay> =
-            grown.iter().flat_map(|(queue, _)| queue.shadows.iter().copied()).collect();
+            grown.iter().flat_map(|(growth, _)| growth.shadow_rays()).collect();
         let free = self.free(&shadows)?;
         let (mut free, mut next) = (free.into_iter(), Vec::new());
-        for (queue, counts) in grown {
+        for (mut growth, counts) in grown {
             seen.rays += counts;
-            for Brought { root, radiance, asked } in queue.brought {
-                if !asked || free.next() == Some(true) {
-                    seen.radiance[root] += radiance;
-                }
-            }
-            next.extend(queue.twigs);
+            growth.settle(&mut free, &mut seen.radiance);
+            next.extend(growth.twigs);
         }
         Ok(next)
     }
@@ -227,62 +224,12 @@ fn all<T>(asked: usize, found: Vec<T>) -> Result<Vec<T>, String> {
     }
 }
 
-/// Where to halve a group of more than `most` branches so that none of a camera ray's are parted, if it can be.
-fn half(twigs: &[Twig], most: usize) -> Option<usize> {
-    if twigs.len() <= most {
-        return None;
-    }
-    let parts = |at: &usize| twigs[at - 1].root != twigs[*at].root;
-    let middle = twigs.len() / 2;
-    (middle.max(1)..twigs.len()).find(parts).or_else(|| (1..middle).rev().find(parts))
-}
-
 /// What a path asks for next.
 #[derive(Clone, Copy, Default)]
 struct Step {
     question: Option<Question>,
     next: Option<Ray>,
     rays: RayCounts,
-}
-
-/// A branch of the tree of a camera ray.
-struct Twig {
-    /// Index of the camera ray.
-    root: usize,
-    branch: Branch,
-}
-
-/// What branches bring to a camera ray.
-struct Brought {
-    root: usize,
-    radiance: Rgb,
-    /// Whether the next shadow ray must meet nothing.
-    asked: bool,
-}
-
-/// What some branches have become, in their order.
-#[derive(Default)]
-struct Queue {
-    /// The camera ray in hand.
-    root: usize,
-    brought: Vec<Brought>,
-    shadows: Vec<ShadowRay>,
-    twigs: Vec<Twig>,
-}
-
-impl Sink for Queue {
-    fn bring(&mut self, radiance: Rgb) {
-        self.brought.push(Brought { root: self.root, radiance, asked: false });
-    }
-
-    fn ask(&mut self, shadow: ShadowRay, radiance: Rgb) {
-        self.shadows.push(shadow);
-        self.brought.push(Brought { root: self.root, radiance, asked: true });
-    }
-
-    fn spawn(&mut self, branch: Branch) {
-        self.twigs.push(Twig { root: self.root, branch });
-    }
 }
 
 #[cfg(test)]
@@ -354,20 +301,5 @@ mod tests {
             let few = seen(offspring);
             assert!(few.radiance == all.radiance && few.rays == all.rays, "{offspring}");
         }
-    }
-
-    #[test]
-    fn groups_are_halved_between_camera_rays() {
-        let group = |roots: &[usize]| -> Vec<Twig> {
-            let ray = Ray::new(DVec3::ZERO, DVec3::X);
-            let branch = Branch::root(ray, Strand { index: 0, count: 1 });
-            roots.iter().map(|&root| Twig { root, branch }).collect()
-        };
-        assert_eq!(half(&group(&[0, 0, 1, 1]), 4), None);
-        assert_eq!(half(&group(&[0, 0, 1, 1]), 3), Some(2));
-        assert_eq!(half(&group(&[0, 0, 0, 1]), 1), Some(3));
-        assert_eq!(half(&group(&[0, 1, 1, 1]), 1), Some(1));
-        assert_eq!(half(&group(&[3, 3, 3]), 1), None);
-        assert_eq!(half(&group(&[3]), 0), None);
     }
 }

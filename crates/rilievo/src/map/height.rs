@@ -224,7 +224,7 @@ impl HeightMap {
 
     /// Raw corner values `[h00, h10, h01, h11]` of the stored cell (cx, cy); `h10` is one step
     /// along x.
-    #[inline]
+    #[inline(always)]
     pub fn stored_corners(&self, cx: u32, cy: u32) -> [f32; 4] {
         let ((i0, i1), (j0, j1)) = (self.x.corners(cx), self.y.corners(cy));
         self.raw_corners([i0, i1], [j0, j1])

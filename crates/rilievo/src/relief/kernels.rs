@@ -1,9 +1,10 @@
 //! What a face does at a SIMD level, each compiled once: see [`crate::simd`].
 
 use crate::probe::Probe;
-use crate::ray::Ray;
+use crate::ray::{Coherence, Ray};
 use crate::simd::{Kernel, Lanes};
 
+use super::batch::BatchOf;
 use super::map_ray::MapRay;
 use super::trace::{Crossing, Met, Trace, walk_tiles};
 
@@ -23,10 +24,11 @@ impl<P: Probe> Kernel for FirstCrossing<'_, P> {
     }
 }
 
-/// At most [`super::packet::PACKET`] rays against one face.
+/// A batch of rays against one face.
 pub(super) struct FirstCrossings<'a, P> {
     pub trace: Trace<'a>,
-    pub rays: &'a [Ray],
+    pub of: BatchOf<'a>,
+    pub coherence: Coherence,
     pub found: &'a mut [Option<Crossing>],
     pub probe: &'a mut P,
 }
@@ -36,7 +38,8 @@ impl<P: Probe> Kernel for FirstCrossings<'_, P> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.trace.first_crossings::<L, P>(self.rays, self.found, self.probe);
+        let Self { trace, of, coherence, found, probe } = self;
+        trace.first_crossings::<L, P>((of, coherence), found, probe);
     }
 }
 
@@ -53,6 +56,22 @@ impl<P: Probe> Kernel for IsCrossed<'_, P> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> bool {
         self.trace.is_crossed::<L, P>(self.ray, self.probe)
+    }
+}
+
+/// Which rays of a batch a face stops, for exact methods.
+pub(super) struct AreCrossed<'a, P> {
+    pub trace: Trace<'a>,
+    pub of: BatchOf<'a>,
+    pub probe: &'a mut P,
+}
+
+impl<P: Probe> Kernel for AreCrossed<'_, P> {
+    type Output = u16;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u16 {
+        self.trace.are_crossed::<L, P>(self.of, self.probe)
     }
 }
 

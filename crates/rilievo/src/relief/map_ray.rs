@@ -32,6 +32,20 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// The next float below one that is finite or infinite upward: `f32::next_down` without its branches,
+/// which no loop over rays becomes vectors with.
+#[inline(always)]
+pub(crate) fn step_down(x: f32) -> f32 {
+    let bits = (if x == 0.0 { -0.0 } else { x }).to_bits();
+    f32::from_bits(if x > 0.0 { bits - 1 } else { bits + 1 })
+}
+
+/// The next float above one that is finite or infinite downward.
+#[inline(always)]
+pub(crate) fn step_up(x: f32) -> f32 {
+    -step_down(-x)
+}
+
 /// A ray in the forward frame of a relief walk.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapRay {
@@ -91,33 +105,42 @@ impl Window {
 }
 
 /// One axis of a [`MapRay`].
-struct AxisRay {
-    o: f32,
-    d: f32,
-    base: i32,
-    backward: bool,
-    lo: f32,
-    hi: f32,
+pub(crate) struct AxisRay {
+    pub o: f32,
+    pub d: f32,
+    pub inv: f32,
+    pub base: i32,
+    pub backward: bool,
+    pub lo: f32,
+    pub hi: f32,
 }
 
-/// Rounds one axis of an exact ray. Counting backward is counting forward in the mirror, without a
-/// branch: signs are turned, and what was low is high.
-#[inline(always)]
-fn axis_ray(exact: &ExactRay, window: &Window, axis: usize) -> AxisRay {
-    let (origin, direction) = (exact.origin[axis], exact.direction[axis]);
-    let (lo, hi) = (window.lo[axis], window.hi[axis]);
-    // A ray in the plane of the far border is counted backward too: borders are closed.
-    let backward = (direction < 0.0) | ((direction == 0.0) & (origin == hi));
-    let (sign, near, far) = if backward { (-1.0, -hi, -lo) } else { (1.0, lo, hi) };
-    let start = sign * origin;
-    let base = start.floor();
-    AxisRay {
-        o: (start - base) as f32,
-        d: direction.abs() as f32,
-        base: whole(sign * base),
-        backward,
-        lo: (near - base) as f32,
-        hi: (far - base) as f32,
+impl AxisRay {
+    /// Rounds one axis of an exact ray in a window `[lo, hi]`. Counting backward is counting forward in the
+    /// mirror, without a branch: signs are turned, and what was low is high.
+    #[inline(always)]
+    pub fn new(origin: f64, direction: f64, [lo, hi]: [f64; 2]) -> Self {
+        // A ray in the plane of the far border is counted backward too: borders are closed.
+        let backward = (direction < 0.0) | ((direction == 0.0) & (origin == hi));
+        let (sign, near, far) = if backward { (-1.0, -hi, -lo) } else { (1.0, lo, hi) };
+        let start = sign * origin;
+        let base = start.floor();
+        let d = direction.abs() as f32;
+        Self {
+            o: (start - base) as f32,
+            d,
+            inv: 1.0 / larger(d, 1e-30),
+            base: whole(sign * base),
+            backward,
+            lo: (near - base) as f32,
+            hi: (far - base) as f32,
+        }
+    }
+
+    /// Parameters at which the ray enters and leaves the window along this axis.
+    #[inline(always)]
+    pub fn span(&self) -> [f32; 2] {
+        [(self.lo - self.o) * self.inv, (self.hi - self.o) * self.inv]
     }
 }
 
@@ -131,6 +154,18 @@ fn whole(x: f64) -> i32 {
     (x + WHOLE).to_bits() as i32
 }
 
+/// The part of `0..1` worth walking, rounded outward.
+#[inline(always)]
+pub(crate) fn rounded_cull([first, last]: [f64; 2]) -> [f32; 2] {
+    [larger(step_down(first as f32), 0.0), smaller(step_up(last as f32), 1.0)]
+}
+
+/// Whether a ray surely starts above a surface of raw heights in `range`.
+#[inline(always)]
+pub(crate) fn surely_above(z: f64, lift: f64, range: [f64; 2]) -> bool {
+    (lift > 0.0) | (z > range[1])
+}
+
 impl MapRay {
     /// Rounds an exact ray into the forward frame. `lift` is added to the height at the start;
     /// `cull` is the part of `0..1` worth walking, `end` the ray's own end; `range` is that of the map's raw heights.
@@ -141,24 +176,24 @@ impl MapRay {
         (lift, range): (f64, [f64; 2]),
         (cull, end): ([f64; 2], f64),
     ) -> Self {
-        let [x, y] = [axis_ray(&exact, window, 0), axis_ray(&exact, window, 1)];
+        let axis = |k: usize| {
+            AxisRay::new(exact.origin[k], exact.direction[k], [window.lo[k], window.hi[k]])
+        };
+        let (x, y) = (axis(0), axis(1));
         Self {
             o: [x.o, y.o],
             d: [x.d, y.d],
-            inv: [1.0 / larger(x.d, 1e-30), 1.0 / larger(y.d, 1e-30)],
+            inv: [x.inv, y.inv],
             oz: (exact.origin[2] + lift) as f32,
             dz: exact.direction[2] as f32,
             base: [x.base, y.base],
             backward: [x.backward, y.backward],
             lo: [x.lo, y.lo],
             hi: [x.hi, y.hi],
-            cull: [
-                larger((cull[0] as f32).next_down(), 0.0),
-                smaller((cull[1] as f32).next_up(), 1.0),
-            ],
+            cull: rounded_cull(cull),
             end: end as f32,
             size: range[0].abs().max(range[1].abs()) as f32,
-            above: lift > 0.0 || exact.origin[2] > range[1],
+            above: surely_above(exact.origin[2], lift, range),
             exact,
         }
     }
@@ -256,5 +291,25 @@ impl MapRay {
         let enter = larger(larger(self.t(0, self.lo[0]), self.t(1, self.lo[1])), 0.0);
         let leave = smaller(smaller(self.t(0, self.hi[0]), self.t(1, self.hi[1])), 1.0);
         (enter, leave)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_those_of_the_library() {
+        let tiny = f32::from_bits(1);
+        let mut numbers = vec![0.0, tiny, f32::MIN_POSITIVE, 1.0, 65535.0, f32::MAX, f32::INFINITY];
+        numbers.extend((0..10_000u32).map(|k| f32::from_bits(k.wrapping_mul(429_497) >> 1)));
+        for x in numbers.into_iter().filter(|x| !x.is_nan()) {
+            assert_eq!(step_down(x).to_bits(), x.next_down().to_bits(), "{x}");
+            assert_eq!(step_up(-x).to_bits(), (-x).next_up().to_bits(), "{x}");
+            if x.is_finite() {
+                assert_eq!(step_down(-x).to_bits(), (-x).next_down().to_bits(), "{x}");
+                assert_eq!(step_up(x).to_bits(), x.next_up().to_bits(), "{x}");
+            }
+        }
     }
 }

@@ -23,6 +23,7 @@
 //! order: the proofs stand at the heads of the walks.
 
 mod approximate;
+mod batch;
 mod cell_walk;
 mod corridor;
 mod distance_walk;
@@ -41,6 +42,7 @@ mod shading;
 mod shell;
 mod sphere;
 mod tile;
+mod together;
 mod trace;
 mod walk;
 mod walls;
@@ -51,6 +53,8 @@ use crate::map::{
     DistanceKind, DistanceMap, HeightMap, HeightMapError, Layout, LostSlopes, MipLevel, Pyramid,
     RowMut, Samples,
 };
+
+pub(crate) use batch::{BATCH, BatchOf};
 
 pub use approximate::{MARCH_STEPS, PUBLISHED_EPSILON, PUBLISHED_STEPS};
 pub use face::{FaceError, ReliefFace};

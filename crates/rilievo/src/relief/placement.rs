@@ -38,6 +38,8 @@ pub(crate) struct Placement {
     pub raw_per_length: f64,
     /// Raw range of the map.
     range: [f64; 2],
+    /// Largest magnitude of a raw height of the map.
+    size: f32,
     /// The range within which rays are walked: wider by 64 slacks of the leaf.
     culled: [f64; 2],
     /// How far above the raw surface a ray starts that is spawned towards larger heights; see the
@@ -87,6 +89,7 @@ impl Placement {
             raw_zero,
             raw_per_length,
             range: [f64::from(low), f64::from(high)],
+            size,
             culled: [f64::from(low) - pad, f64::from(high) + pad],
             lift: f64::from(leaf::lift(size.max(least))),
             rises: scale > 0.0,
@@ -162,6 +165,18 @@ impl Placement {
             high: DVec3::new(hi[0] + 1.0, hi[1] + 1.0, roof + beyond),
             culled: self.culled,
         }
+    }
+
+    /// Raw range of the map.
+    #[inline(always)]
+    pub fn range(&self) -> [f64; 2] {
+        self.range
+    }
+
+    /// Largest magnitude of a raw height of the map.
+    #[inline(always)]
+    pub fn size(&self) -> f32 {
+        self.size
     }
 
     /// A clipped ray, rounded for the walk.

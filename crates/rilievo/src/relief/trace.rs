@@ -9,12 +9,11 @@ use super::Relief;
 use super::approximate::{ApproximateHit, Segment};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
-use super::kernels::{FirstCrossing, Tiles};
+use super::kernels::Tiles;
 use super::leaf::{Crossings, LeafHit};
 use super::map_ray::{ExactRay, MapRay, Window, larger, smaller};
 use super::method::Method;
 use super::options::FaceOptions;
-use super::packet::{PacketRays, walk_packet};
 use super::placement::Placement;
 use super::refine::{self, Root};
 use super::tile::Tile;
@@ -128,60 +127,22 @@ impl Trace<'_> {
         self.refined(&map_ray, ray.t_max, met)
     }
 
-    /// The first crossing of each of at most [`super::packet::PACKET`] rays within its own end.
-    #[inline(always)]
-    pub fn first_crossings<L: Lanes, P: Probe>(
-        &self,
-        rays: &[Ray],
-        found: &mut [Option<Crossing>],
-        probe: &mut P,
-    ) {
-        let unfolding = match self.placement.unfolding {
-            Some(unfolding) if self.options.method == Method::Pyramid && !self.options.closed => {
-                unfolding
-            }
-            _ => return self.first_crossings_alone::<L, P>((rays, u16::MAX), found, probe),
-        };
-        let mut together = PacketRays::new(self.placement);
-        together.fill(unfolding, rays);
-        found.fill(None);
-        self.first_crossings_alone::<L, P>((rays, together.alone), found, probe);
-        if together.live != 0 {
-            let maps = (self.relief.heights(), self.relief.pyramid());
-            let hits = walk_packet::<L, P>(maps, &together, self.admitted(), probe);
-            let rising = self.options.displacement.scale > 0.0;
-            together.answer(&hits, (self.relief.heights(), rising), rays, found);
-        }
-    }
-
-    /// The first crossing of each ray whose bit is set.
-    #[inline(always)]
-    fn first_crossings_alone<L: Lanes, P: Probe>(
-        &self,
-        (rays, set): (&[Ray], u16),
-        found: &mut [Option<Crossing>],
-        probe: &mut P,
-    ) {
-        if set == 0 {
-            return;
-        }
-        for (k, (ray, found)) in rays.iter().zip(found).enumerate() {
-            if set >> k & 1 == 1 {
-                *found = L::call(FirstCrossing { trace: *self, ray, probe: &mut *probe });
-            }
-        }
-    }
-
     /// Whether there is a crossing up to the ray's end, for exact methods: without the refinement
     /// where that cannot matter.
     #[inline(always)]
     pub fn is_crossed<L: Lanes, P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         let Some(map_ray) = self.placement.map_ray(ray, self.options.closed) else { return false };
         let Some(met) = first_met::<L, P>(self, &map_ray, probe) else { return false };
+        self.ends_after(&map_ray, ray.t_max, met)
+    }
+
+    /// Whether the ray ends after what was met.
+    #[inline(always)]
+    pub(super) fn ends_after(&self, ray: &MapRay, t_max: f64, met: Met) -> bool {
         let (Met::Surface(LeafHit { s, .. }) | Met::Wall { s, .. }) = met;
         // Refinement moves a crossing into a neighbour of the neighbouring cell at most.
-        let cells = 3.0 * smaller(map_ray.inv[0], map_ray.inv[1]);
-        s + cells <= map_ray.end || self.refined(&map_ray, ray.t_max, met).is_some()
+        let cells = 3.0 * smaller(ray.inv[0], ray.inv[1]);
+        s + cells <= ray.end || self.refined(ray, t_max, met).is_some()
     }
 
     /// The crossing of what was met, in `f64`, unless it lies past the ray's end.

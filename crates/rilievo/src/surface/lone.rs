@@ -9,8 +9,8 @@ use crate::accel::{Aabb, GROWTH, SlabRay};
 use crate::hit::Hit;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
-use crate::ray::Ray;
-use crate::relief::{Crossing, ReliefFace};
+use crate::ray::{Coherence, Ray};
+use crate::relief::{BATCH, BatchOf, Crossing, ReliefFace};
 
 use super::Surface;
 use super::meeting::Meeting;
@@ -18,9 +18,6 @@ use super::world::{departure, seen_by};
 
 /// Most surfaces of a world that goes without its tree.
 const FEW: usize = 4;
-
-/// Rays that a packet takes at once.
-const PACKET: usize = 16;
 
 /// What is known of such a world beside its surfaces.
 #[derive(Clone, Debug)]
@@ -69,25 +66,20 @@ impl Lone {
         hit
     }
 
-    /// [`super::World::closest_packet`].
-    pub(super) fn closest_packet<P: Probe>(
+    /// [`super::World::closest_each`].
+    pub(super) fn closest_each<P: Probe>(
         &self,
         surfaces: &[Surface],
-        rays: &[Ray],
+        (rays, coherence): (&[Ray], Coherence),
         hits: &mut [Option<Hit>],
         probe: &mut P,
     ) {
         let Some(face) = self.face(surfaces) else { return };
-        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let mut crossings = [None; PACKET];
+        for (rays, hits) in rays.chunks(BATCH).zip(hits.chunks_mut(BATCH)) {
+            let mut crossings = [None; BATCH];
             let crossings = &mut crossings[..rays.len()];
-            if rays.iter().all(|ray| ray.from.is_none()) {
-                face.first_crossings(rays, crossings, probe);
-            } else {
-                for (ray, crossing) in rays.iter().zip(crossings.iter_mut()) {
-                    *crossing = face.first_crossing(seen_by(self.index, ray, &mut None), probe);
-                }
-            }
+            let of = BatchOf { rays, set: u16::MAX, surface: Some(self.index) };
+            face.crossings((of, coherence), crossings, probe.counters());
             for ((ray, hit), crossing) in rays.iter().zip(hits).zip(crossings.iter()) {
                 self.answer((surfaces, face), ray, crossing.as_ref(), (hit, probe));
             }
@@ -154,24 +146,58 @@ impl Lone {
         exempt: Option<u32>,
         probe: &mut P,
     ) -> bool {
-        let mut others = self.beside.iter().filter(|(index, _)| exempt != Some(*index)).peekable();
-        if others.peek().is_some() {
-            let slab = SlabRay::new(ray);
-            for &(index, ref bounds) in others {
-                if slab.entry(bounds, ray.t_max).is_none() {
-                    continue;
-                }
-                let left: Option<Departure<'_>> = departure(surfaces, ray);
-                let mut room = None;
-                let part = seen_by(index, ray, &mut room);
-                if surfaces[index as usize].occludes_after(part, left.as_ref(), probe) {
-                    return true;
-                }
+        self.occluded_beside(surfaces, ray, exempt, probe)
+            || exempt != Some(self.index)
+                && self
+                    .face(surfaces)
+                    .is_some_and(|face| face.occludes(seen_by(self.index, ray, &mut None), probe))
+    }
+
+    /// [`super::World::occluded_each`].
+    pub(super) fn occluded_each<P: Probe>(
+        &self,
+        surfaces: &[Surface],
+        rays: &[Ray],
+        exempt: &[Option<u32>],
+        (occluded, probe): (&mut [bool], &mut P),
+    ) {
+        let Some(face) = self.face(surfaces) else { return };
+        let chunks = rays.chunks(BATCH).zip(exempt.chunks(BATCH));
+        for ((rays, exempt), occluded) in chunks.zip(occluded.chunks_mut(BATCH)) {
+            let mut set = 0;
+            for (k, (ray, exempt)) in rays.iter().zip(exempt).enumerate() {
+                occluded[k] = self.occluded_beside(surfaces, ray, *exempt, probe);
+                set |= u16::from(!occluded[k] && *exempt != Some(self.index)) << k;
+            }
+            let stopped = face.stopped(BatchOf { rays, set, surface: Some(self.index) }, probe);
+            for (k, occluded) in occluded.iter_mut().enumerate() {
+                *occluded |= stopped >> k & 1 == 1;
             }
         }
-        exempt != Some(self.index)
-            && self
-                .face(surfaces)
-                .is_some_and(|face| face.occludes(seen_by(self.index, ray, &mut None), probe))
+    }
+
+    /// Whether a neighbour of the relief stops a ray.
+    #[inline]
+    fn occluded_beside<P: Probe>(
+        &self,
+        surfaces: &[Surface],
+        ray: &Ray,
+        exempt: Option<u32>,
+        probe: &mut P,
+    ) -> bool {
+        let mut others = self.beside.iter().filter(|(index, _)| exempt != Some(*index)).peekable();
+        if others.peek().is_none() {
+            return false;
+        }
+        let slab = SlabRay::new(ray);
+        others.any(|&(index, ref bounds)| {
+            if slab.entry(bounds, ray.t_max).is_none() {
+                return false;
+            }
+            let left: Option<Departure<'_>> = departure(surfaces, ray);
+            let mut room = None;
+            let part = seen_by(index, ray, &mut room);
+            surfaces[index as usize].occludes_after(part, left.as_ref(), probe)
+        })
     }
 }

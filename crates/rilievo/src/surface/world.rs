@@ -4,7 +4,7 @@ use crate::accel::{Aabb, Bvh};
 use crate::hit::Hit;
 use crate::mesh::departure::Departure;
 use crate::probe::Probe;
-use crate::ray::Ray;
+use crate::ray::{Coherence, Ray};
 
 use super::Surface;
 use super::lone::Lone;
@@ -77,15 +77,19 @@ impl World {
         Some(Hit { surface: index, ..meeting.complete(ray) })
     }
 
-    /// [`World::closest`] for rays that start close together and go about the same way; `hits` takes
-    /// one answer a ray, the same as for the ray alone.
+    /// [`World::closest`] of many rays; `hits` takes one answer a ray, the same as for the ray alone.
     ///
     /// # Panics
     /// If the slices differ in length.
-    pub fn closest_packet<P: Probe>(&self, rays: &[Ray], hits: &mut [Option<Hit>], probe: &mut P) {
+    pub fn closest_each<P: Probe>(
+        &self,
+        (rays, coherence): (&[Ray], Coherence),
+        hits: &mut [Option<Hit>],
+        probe: &mut P,
+    ) {
         assert_eq!(rays.len(), hits.len(), "one answer a ray");
         if let Some(lone) = &self.lone {
-            return lone.closest_packet(&self.surfaces, rays, hits, probe);
+            return lone.closest_each(&self.surfaces, (rays, coherence), hits, probe);
         }
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.closest(ray, probe);
@@ -101,6 +105,26 @@ impl World {
     /// to meet only there.
     pub fn occluded_before<P: Probe>(&self, ray: &Ray, exempt: u32, probe: &mut P) -> bool {
         self.occluded_by_all_but(ray, Some(exempt), probe)
+    }
+
+    /// [`World::occluded`] of many rays, each by any surface but the one that stands in `exempt` for it;
+    /// `occluded` takes one answer a ray, the same as for the ray alone.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn occluded_each<P: Probe>(
+        &self,
+        rays: &[Ray],
+        exempt: &[Option<u32>],
+        (occluded, probe): (&mut [bool], &mut P),
+    ) {
+        assert!(rays.len() == exempt.len() && rays.len() == occluded.len(), "one answer a ray");
+        if let Some(lone) = &self.lone {
+            return lone.occluded_each(&self.surfaces, rays, exempt, (occluded, probe));
+        }
+        for ((ray, exempt), occluded) in rays.iter().zip(exempt).zip(occluded) {
+            *occluded = self.occluded_by_all_but(ray, *exempt, probe);
+        }
     }
 
     #[inline]

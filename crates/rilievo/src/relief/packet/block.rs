@@ -3,13 +3,12 @@
 use crate::map::{HeightMap, Pyramid};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
+use super::super::batch::{BatchHits, lanes_of, pair};
 use super::super::leaf::{self, Crossings, LeafHit};
 use super::super::tile;
 use super::super::walk::{Gaps, LaneRay, PLACES, StoredGaps, block_corners, cell_at, first_lane};
+use super::Packet;
 use super::fat::FatRay;
-use super::lanes::pair;
-use super::rays::PacketRays;
-use super::{PacketHits, lanes_of};
 
 /// Cells a ray that are worth showing to all rays at once; measured flat between 8 and 12 of 16.
 const FEW_CELLS: u32 = 12;
@@ -18,23 +17,23 @@ const FEW_CELLS: u32 = 12;
 pub(super) struct PacketBlocks<'a> {
     map: &'a HeightMap,
     pyramid: &'a Pyramid,
-    rays: &'a PacketRays<'a>,
+    rays: &'a Packet<'a>,
     fat: &'a FatRay<'a>,
     admit: Crossings,
     /// Rays without a crossing yet.
     pub live: u16,
-    pub hits: PacketHits,
+    hits: &'a mut BatchHits,
 }
 
 impl<'a> PacketBlocks<'a> {
     #[inline(always)]
     pub fn new(
         (map, pyramid): (&'a HeightMap, &'a Pyramid),
-        rays: &'a PacketRays<'a>,
+        rays: &'a Packet<'a>,
         fat: &'a FatRay<'a>,
-        admit: Crossings,
+        (admit, hits): (Crossings, &'a mut BatchHits),
     ) -> Self {
-        Self { map, pyramid, rays, fat, admit, live: rays.live, hits: PacketHits::default() }
+        Self { map, pyramid, rays, fat, admit, live: rays.live, hits }
     }
 
     /// Shows the block with its corner at a mirrored cell to the live rays.
@@ -55,7 +54,7 @@ impl<'a> PacketBlocks<'a> {
     /// The rays that may meet the box of a block.
     #[inline(always)]
     fn rays_in<L: Lanes>(&self, corner: [i32; 2]) -> u16 {
-        let lanes = &self.rays.lanes;
+        let lanes = &self.rays.batch.lanes;
         let ray: LaneRay<L> = lanes.load();
         let [x, y] = self.forward(corner);
         let side = L::splat(4.0);
@@ -67,7 +66,7 @@ impl<'a> PacketBlocks<'a> {
         // Any cell of the block names it.
         let block = [(corner[0] ^ turn[0]) as u32 / 4, (corner[1] ^ turn[1]) as u32 / 4];
         let (_, max) = self.pyramid.bounds(0, block[0], block[1]);
-        let slack = 2.0 * leaf::slack(self.rays.size);
+        let slack = 2.0 * leaf::slack(self.rays.batch.size());
         let (za, zb) = (near.times(ray.dz).plus(ray.oz), far.times(ray.dz).plus(ray.oz));
         let lowest = za.smaller(zb).minus(L::splat(slack));
         L::bits(L::and(near.below(far), lowest.at_most(L::splat(max))))
@@ -77,7 +76,7 @@ impl<'a> PacketBlocks<'a> {
     #[inline(always)]
     fn forward<L: Lanes>(&self, cell: [i32; 2]) -> [L; 2] {
         let origin = self.rays.origin();
-        let shift = pair::<L>(&self.rays.lanes.shift);
+        let shift = pair::<L>(&self.rays.shift);
         [
             L::splat((cell[0] - origin[0]) as f32).plus(shift[0]),
             L::splat((cell[1] - origin[1]) as f32).plus(shift[1]),
@@ -90,7 +89,7 @@ impl<'a> PacketBlocks<'a> {
         let corners: [L; 4] = block_corners(self.map, Mirror::of(self.rays.turn()), corner);
         let [h00, h10, h01, h11] = corners;
         let (h00, h10, h01, h11) = (h00.store(), h10.store(), h01.store(), h11.store());
-        let lanes: LaneRay<L> = self.rays.lanes.load();
+        let lanes: LaneRay<L> = self.rays.batch.lanes.load();
         while cells != 0 && rays != 0 {
             let lane = cells.trailing_zeros() as usize % WIDTH;
             cells &= cells - 1;
@@ -114,7 +113,7 @@ impl<'a> PacketBlocks<'a> {
     #[inline(always)]
     fn take<L: Lanes>(&mut self, gaps: &Gaps<L>, candidates: u16, cell: [i32; 2]) -> u16 {
         let before = self.live;
-        let origin = &self.rays.lanes.origin;
+        let origin = &self.rays.batch.lanes.origin;
         let forward = |ray: usize| [cell[0] - origin[0][ray], cell[1] - origin[1][ray]];
         let mut sure = 0;
         if self.admit == Crossings::Both {
@@ -149,7 +148,8 @@ impl<'a> PacketBlocks<'a> {
         (ray, cell): (usize, [i32; 2]),
     ) -> bool {
         let Some((t0, hit)) = gaps.hit(lane, cell, self.admit) else { return false };
-        let confirmed = tile::confirms(self.map, &self.rays.ray(ray), (t0, &hit), self.admit);
+        let confirmed =
+            tile::confirms(self.map, &self.rays.batch.ray(ray).0, (t0, &hit), self.admit);
         if confirmed {
             self.hits.put(ray, &hit);
             self.live &= !(1 << ray);
@@ -163,7 +163,7 @@ impl<'a> PacketBlocks<'a> {
         let corners: [L; 4] = block_corners(self.map, Mirror::of(self.rays.turn()), corner);
         let places = [L::load(&PLACES[0]), L::load(&PLACES[1])];
         for ray in lanes_of(rays) {
-            let lanes = &self.rays.lanes;
+            let lanes = &self.rays.batch.lanes;
             let first = [corner[0] - lanes.origin[0][ray], corner[1] - lanes.origin[1][ray]];
             let cells = [
                 L::splat(first[0] as f32).plus(places[0]),

@@ -10,13 +10,14 @@
 use crate::map::Pyramid;
 use crate::simd::{Lanes, Mirror, WIDTH};
 
+use super::super::map_ray::{step_down, step_up};
 use super::super::walk::{LINES, PLACES, Side, bound, culled_heights};
-use super::rays::PacketRays;
+use super::Packet;
 
 /// The bounds of a packet.
 pub(super) struct FatRay<'a> {
     pyramid: &'a Pyramid,
-    /// See [`PacketRays::origin`], [`PacketRays::turn`].
+    /// See [`Packet::origin`], [`Packet::turn`].
     origin: [i32; 2],
     turn: [i32; 2],
     /// Lowest and highest.
@@ -41,29 +42,23 @@ struct Between<L: Lanes> {
 
 impl<'a> FatRay<'a> {
     #[inline(always)]
-    pub fn new<L: Lanes>(rays: &PacketRays<'_>, pyramid: &'a Pyramid) -> Self {
-        let lanes = &rays.lanes;
+    pub fn new<L: Lanes>(rays: &Packet<'_>, pyramid: &'a Pyramid) -> Self {
+        let lanes = &rays.batch.lanes;
         let (origin, turn) = (rays.origin(), rays.turn());
-        let range = |of: &[f32; WIDTH]| {
-            let of = L::load(of);
-            [of.least(), of.greatest()]
-        };
-        let axis = |k: usize| {
-            let start = L::load(&lanes.o[k]).minus(L::load(&lanes.shift[k]));
-            [start.least().next_down(), start.greatest().next_up()]
-        };
         let map = |k: usize| {
             let cells = pyramid.cells()[k] as i32;
             let first = (turn[k] & -cells) - origin[k];
             [first as f32, (first + cells) as f32]
         };
+        let inv = [L::load(&lanes.inv[0]), L::load(&lanes.inv[1])];
+        let part = [L::load(&lanes.part[0]), L::load(&lanes.part[1])];
         Self {
             pyramid,
-            o: [axis(0), axis(1)],
-            inv: [range(&lanes.inv[0]), range(&lanes.inv[1])],
-            dz: range(&lanes.dz),
-            oz: culled_heights(range(&lanes.oz), rays.size),
-            part: [L::load(&lanes.part[0]).least(), L::load(&lanes.part[1]).greatest()],
+            o: [starts::<L>(rays, 0), starts::<L>(rays, 1)],
+            inv: [range(inv[0]), range(inv[1])],
+            dz: range(L::load(&lanes.dz)),
+            oz: culled_heights(range(L::load(&lanes.oz)), rays.batch.size()),
+            part: [part[0].least(), part[1].greatest()],
             map: [map(0), map(1)],
             both: rays.any_may_be_below(),
             origin,
@@ -138,4 +133,18 @@ impl<'a> FatRay<'a> {
         let [first, last] = self.map[axis];
         L::and(L::splat(first).below(far), near.below(L::splat(last)))
     }
+}
+
+/// The least and the greatest of some numbers.
+#[inline(always)]
+fn range<L: Lanes>(of: L) -> [f32; 2] {
+    [of.least(), of.greatest()]
+}
+
+/// The lowest and the highest start in the first ray's frame.
+#[inline(always)]
+fn starts<L: Lanes>(rays: &Packet<'_>, axis: usize) -> [f32; 2] {
+    let own = L::load(&rays.batch.lanes.o[axis]);
+    let [low, high] = range(own.minus(L::load(&rays.shift[axis])));
+    [step_down(low), step_up(high)]
 }

@@ -17,44 +17,71 @@
 //! **When it pays.** Rays of one pixel. Rays that fan out (shadows of an area light, bounces) make
 //! the fat ray too fat: trace them alone.
 
-mod answer;
 mod block;
 mod fat;
-mod lanes;
-mod rays;
 
 use crate::map::{HeightMap, Pyramid};
 use crate::probe::Probe;
-use crate::simd::{Lanes, WIDTH};
+use crate::simd::Lanes;
 
-use super::leaf::{Crossings, LeafHit};
+use super::batch::{BATCH, Batch, BatchHits};
+use super::leaf::Crossings;
 use super::walk::{Stack, child};
 use block::PacketBlocks;
 use fat::FatRay;
 
-pub(crate) use rays::PacketRays;
-
-/// Most rays of a packet.
-pub(crate) const PACKET: usize = WIDTH;
-
-/// What the rays of a packet met: one element a ray.
-#[derive(Default)]
-pub(crate) struct PacketHits {
-    s: [f32; PACKET],
-    /// Forward cells, each in its own ray's frame.
-    cell: [[i32; 2]; PACKET],
-    /// Rays that met the surface, and those of them that came from above.
-    any: u16,
-    from_above: u16,
+/// Rays of a batch that run in the same mirrored directions. Lanes without such a ray repeat the first
+/// one that is.
+pub(crate) struct Packet<'a> {
+    batch: &'a Batch<'a>,
+    /// The first ray that is live.
+    first: usize,
+    /// Lanes that hold a ray of the packet.
+    pub live: u16,
+    /// Added to forward cells of the first ray's frame to give those of each ray's own; whole numbers.
+    shift: [[f32; BATCH]; 2],
 }
 
-impl PacketHits {
+impl<'a> Packet<'a> {
+    /// The rays that go with the first one that is worth walking. `walk` gets the others, before their
+    /// lanes are lost.
     #[inline(always)]
-    fn put(&mut self, lane: usize, hit: &LeafHit) {
-        self.s[lane] = hit.s;
-        self.cell[lane] = hit.cell;
-        self.any |= 1 << lane;
-        self.from_above |= u16::from(hit.from_above) << lane;
+    pub fn of(batch: &'a mut Batch<'_>, walk: impl FnOnce(&Batch<'_>, u16)) -> Self {
+        let first = batch.worth.trailing_zeros() as usize % BATCH;
+        let mut others = 0;
+        for k in 0..BATCH {
+            others |= u16::from(!batch.lanes.go_together(first, k)) << k;
+        }
+        let live = batch.worth & !others;
+        if batch.worth & others != 0 {
+            walk(batch, others);
+        }
+        batch.lanes.repeat(first, live);
+        let mut shift = [[0.0; BATCH]; 2];
+        for (shift, origin) in shift.iter_mut().zip(&batch.lanes.origin) {
+            for k in 0..BATCH {
+                shift[k] = origin[first].wrapping_sub(origin[k]) as f32;
+            }
+        }
+        Self { batch, first, live, shift }
+    }
+
+    /// Mirrored cell of the first ray's forward cell 0: the packet counts cells from there.
+    #[inline(always)]
+    fn origin(&self) -> [i32; 2] {
+        [self.batch.lanes.origin[0][self.first], self.batch.lanes.origin[1][self.first]]
+    }
+
+    /// What stored cells are combined with to give mirrored cells; see `TileFrame`.
+    #[inline(always)]
+    fn turn(&self) -> [i32; 2] {
+        [self.batch.lanes.turn[0][self.first], self.batch.lanes.turn[1][self.first]]
+    }
+
+    /// Whether any ray may start below the surface.
+    #[inline(always)]
+    fn any_may_be_below(&self) -> bool {
+        self.batch.lanes.below.iter().fold(0, |any, below| any | below) != 0
     }
 }
 
@@ -62,12 +89,12 @@ impl PacketHits {
 #[inline(always)]
 pub(crate) fn walk_packet<L: Lanes, P: Probe>(
     (map, pyramid): (&HeightMap, &Pyramid),
-    rays: &PacketRays<'_>,
-    admit: Crossings,
+    rays: &Packet<'_>,
+    (admit, hits): (Crossings, &mut BatchHits),
     probe: &mut P,
-) -> PacketHits {
+) {
     let fat = FatRay::new::<L>(rays, pyramid);
-    let mut blocks = PacketBlocks::new((map, pyramid), rays, &fat, admit);
+    let mut blocks = PacketBlocks::new((map, pyramid), rays, &fat, (admit, hits));
     let top = pyramid.levels() - 1;
     let mut at = rays.turn();
     let mut stack = Stack::default();
@@ -86,17 +113,4 @@ pub(crate) fn walk_packet<L: Lanes, P: Probe>(
             }
         }
     }
-    blocks.hits
-}
-
-/// The lanes whose bits are set, in order.
-#[inline(always)]
-fn lanes_of(mut bits: u16) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        (bits != 0).then(|| {
-            bits &= bits - 1;
-            lane % PACKET
-        })
-    })
 }

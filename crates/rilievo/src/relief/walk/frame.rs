@@ -40,7 +40,8 @@ impl TileFrame {
     /// `span`.
     #[inline(always)]
     pub fn of_window(ray: &MapRay, [x, y]: [Unfolding; 2], span: (f32, f32)) -> Self {
-        let (x, y) = (x.mirrored(ray, 0), y.mirrored(ray, 1));
+        let x = x.mirrored(ray.base[0], ray.backward[0]);
+        let y = y.mirrored(ray.base[1], ray.backward[1]);
         Self {
             origin: [x.0, y.0],
             turn: [x.1, y.1],
@@ -85,11 +86,11 @@ impl Unfolding {
         self.turn != 0
     }
 
-    /// Mirrored cell of a ray's forward cell 0, and the turn.
+    /// Mirrored cell of the forward cell 0 of a ray counted from `base`, and the turn.
     #[inline(always)]
-    fn mirrored(self, ray: &MapRay, axis: usize) -> (i32, i32) {
-        let backward = -i32::from(ray.backward[axis]);
-        let shown = self.stored(ray.base[axis] + backward);
+    pub fn mirrored(self, base: i32, backward: bool) -> (i32, i32) {
+        let backward = -i32::from(backward);
+        let shown = self.stored(base + backward);
         let turn = self.turn ^ backward;
         (shown ^ turn, turn)
     }

@@ -4,7 +4,7 @@ use crate::map::{HeightMap, Pyramid, SideBounds};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
-use super::super::map_ray::{MapRay, larger, smaller};
+use super::super::map_ray::{MapRay, larger, smaller, step_down, step_up};
 use super::TileFrame;
 
 /// Offsets of the lines of a node's blocks from its corner, cells: near and far lines in x and y.
@@ -172,7 +172,7 @@ impl<'a> Nodes<'a> {
 #[inline(always)]
 pub(crate) fn culled_heights([low, high]: [f32; 2], size: f32) -> [f32; 2] {
     let slack = 2.0 * leaf::slack(size);
-    [(low - slack).next_down(), (high + slack).next_up()]
+    [step_down(low - slack), step_up(high + slack)]
 }
 
 /// Upper or lower bounds of the children of a node, raw heights, mirrored.

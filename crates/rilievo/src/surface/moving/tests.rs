@@ -7,7 +7,7 @@ use crate::accel::random::Random;
 use crate::hit::Hit;
 use crate::map::{HeightMap, Lattice, Procedural, Tiling, Wrap};
 use crate::mesh::{Mesh, MeshData, Triangle, solids};
-use crate::ray::Ray;
+use crate::ray::{Coherence, Ray};
 use crate::relief::{
     CubeRelief, Displacement, FaceOptions, MeshOptions, Relief, ReliefFace, ReliefMesh,
     ReliefSphere, SphereOptions,
@@ -129,7 +129,7 @@ fn a_world_at_a_time_is_one_of_instances() {
             .map(|_| Ray { time, ..Ray::new(4.0 * random.cube(), random.direction()) })
             .collect();
         let mut together = vec![None; rays.len()];
-        moving.closest_packet(&rays, &mut together, &mut ());
+        moving.closest_each((&rays, Coherence::Incoherent), &mut together, &mut ());
         for (ray, found) in rays.into_iter().zip(together) {
             let mut ray = ray;
             assert_eq!(found, moving.closest(&ray, &mut ()));

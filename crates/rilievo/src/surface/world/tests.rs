@@ -8,6 +8,7 @@ use super::*;
 use crate::accel::random::Random;
 use crate::map::{HeightMap, Lattice, Samples, Wrap};
 use crate::mesh::{Mesh, MeshData, Triangle};
+use crate::ray::Coherence;
 use crate::relief::{Displacement, FaceOptions, Relief, ReliefFace};
 use crate::surface::{Quad, Sphere};
 
@@ -170,10 +171,28 @@ fn check_against_every_surface(world: &World, cases: usize, random: &mut Random)
         packet.push((ray, hit));
         if packet.len() == 1 + case % 20 {
             let (rays, expected): (Vec<_>, Vec<_>) = packet.drain(..).unzip();
-            let mut hits = vec![None; rays.len()];
-            world.closest_packet(&rays, &mut hits, &mut ());
-            assert_eq!(hits, expected);
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let mut hits = vec![None; rays.len()];
+                world.closest_each((&rays, coherence), &mut hits, &mut ());
+                assert_eq!(hits, expected);
+            }
+            check_occluded_each(world, &rays);
         }
+    }
+}
+
+/// Rays that are traced together, some of which may pass through one surface, against each alone.
+fn check_occluded_each(world: &World, rays: &[Ray]) {
+    let exempt: Vec<Option<u32>> =
+        (0..rays.len()).map(|k| (k % 3 == 0).then_some(k as u32 % 7)).collect();
+    let mut occluded = vec![false; rays.len()];
+    world.occluded_each(rays, &exempt, (&mut occluded, &mut ()));
+    for ((ray, exempt), occluded) in rays.iter().zip(exempt).zip(occluded) {
+        let alone = match exempt {
+            Some(exempt) => world.occluded_before(ray, exempt, &mut ()),
+            None => world.occluded(ray, &mut ()),
+        };
+        assert_eq!(occluded, alone, "{ray:?} {exempt:?}");
     }
 }
 
@@ -245,10 +264,13 @@ fn a_relief_among_few_surfaces_is_as_among_many() {
                 }
                 rays.push(ray);
             }
-            let mut hits = vec![None; rays.len()];
-            few.closest_packet(&rays, &mut hits, &mut ());
             let single: Vec<_> = rays.iter().map(|ray| few.closest(ray, &mut ())).collect();
-            assert_eq!(hits, single);
+            for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+                let mut hits = vec![None; rays.len()];
+                few.closest_each((&rays, coherence), &mut hits, &mut ());
+                assert_eq!(hits, single);
+            }
+            check_occluded_each(&few, &rays);
         }
     }
 }

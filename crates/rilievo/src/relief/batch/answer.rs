@@ -1,4 +1,4 @@
-//! The `f64` answers of a packet: `refine` for all rays at once.
+//! The `f64` answers of a batch: `refine` for all rays at once.
 //!
 //! Nearly every root lies inside of its cell; the loop over the rays then has no branch. The others
 //! are refined one by one.
@@ -6,35 +6,33 @@
 use crate::map::HeightMap;
 use crate::ray::Ray;
 
-use super::super::map_ray::ExactRay;
 use super::super::refine::{self, Root};
 use super::super::trace::{Crossing, refined_across};
-use super::rays::PacketRays;
-use super::{PACKET, PacketHits, lanes_of};
+use super::{BATCH, Batch, BatchHits, lanes_of};
 
 /// Roots side by side.
 struct Roots {
-    s: [f64; PACKET],
-    local: [[f64; PACKET]; 2],
-    raw: [f64; PACKET],
-    error: [f64; PACKET],
+    s: [f64; BATCH],
+    local: [[f64; BATCH]; 2],
+    raw: [f64; BATCH],
+    error: [f64; BATCH],
     /// 1 where the root lies inside of its cell.
-    inside: [u64; PACKET],
+    inside: [u64; BATCH],
 }
 
-impl PacketRays<'_> {
+impl Batch<'_> {
     /// Writes the crossings of the rays that met the surface before their ends; `rising` where larger
     /// raw heights lie in front.
     #[inline(always)]
     pub fn answer(
         &self,
-        hits: &PacketHits,
+        hits: &BatchHits,
         (heights, rising): (&HeightMap, bool),
         rays: &[Ray],
         found: &mut [Option<Crossing>],
     ) {
-        let mut corners = [[0.0f32; PACKET]; 4];
-        let (mut cells, mut s0) = ([[0; PACKET]; 2], [0.0; PACKET]);
+        let mut corners = [[0.0f32; BATCH]; 4];
+        let (mut cells, mut s0) = ([[0; BATCH]; 2], [0.0; BATCH]);
         for k in lanes_of(hits.any) {
             let cell = self.lanes.unfolded(k, hits.cell[k]);
             let [h00, h10, h01, h11] = self.placement.corners(heights, cell);
@@ -55,10 +53,10 @@ impl PacketRays<'_> {
                     raw: roots.raw[k],
                     error: roots.error[k],
                 };
-                Crossing::of_surface(&self.exact(k), t_max, &root, front)
+                Crossing::of_surface(&self.clipped.exact(k), t_max, &root, front)
             } else {
                 let maps = (heights, window);
-                refined_across(&self.exact(k), t_max, maps, (cell, s0[k], front))
+                refined_across(&self.clipped.exact(k), t_max, maps, (cell, s0[k], front))
             };
         }
     }
@@ -67,35 +65,23 @@ impl PacketRays<'_> {
     #[inline(always)]
     fn roots(
         &self,
-        corners: &[[f32; PACKET]; 4],
-        cells: &[[i32; PACKET]; 2],
-        s0: &[f64; PACKET],
+        corners: &[[f32; BATCH]; 4],
+        cells: &[[i32; BATCH]; 2],
+        s0: &[f64; BATCH],
     ) -> Roots {
-        let none = [0.0; PACKET];
+        let none = [0.0; BATCH];
         let mut to =
-            Roots { s: none, local: [none; 2], raw: none, error: none, inside: [0; PACKET] };
-        for k in 0..PACKET {
+            Roots { s: none, local: [none; 2], raw: none, error: none, inside: [0; BATCH] };
+        for k in 0..BATCH {
             let h = [corners[0][k], corners[1][k], corners[2][k], corners[3][k]];
             let cell = [cells[0][k], cells[1][k]];
             let (root, inside) =
-                refine::inside(&self.exact(k), &self.placement.window, (cell, h), s0[k]);
+                refine::inside(&self.clipped.exact(k), &self.placement.window, (cell, h), s0[k]);
             to.s[k] = root.s;
             (to.local[0][k], to.local[1][k]) = (root.local[0], root.local[1]);
             (to.raw[k], to.error[k]) = (root.raw, root.error);
             to.inside[k] = u64::from(inside);
         }
         to
-    }
-
-    /// A ray of the packet, unrounded.
-    #[inline(always)]
-    fn exact(&self, k: usize) -> ExactRay {
-        let rays = &self.clipped;
-        ExactRay {
-            origin: [rays.start[0][k], rays.start[1][k], rays.start[2][k]],
-            direction: [rays.direction[0][k], rays.direction[1][k], rays.direction[2][k]],
-            t_start: rays.t_start[k],
-            t_length: rays.t_length[k],
-        }
     }
 }

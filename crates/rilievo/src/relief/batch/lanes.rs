@@ -1,11 +1,11 @@
-//! [`RayLanes`]: the rays of a packet as the walk sees them, one array a number.
+//! [`RayLanes`]: the rays of a batch as the walk sees them, one array a number.
 
 use crate::simd::{Lanes, WIDTH};
 
 use super::super::walk::LaneRay;
 
 /// Rays as the walk sees them.
-pub(super) struct RayLanes {
+pub(in super::super) struct RayLanes {
     pub o: [[f32; WIDTH]; 2],
     pub d: [[f32; WIDTH]; 2],
     pub inv: [[f32; WIDTH]; 2],
@@ -16,8 +16,6 @@ pub(super) struct RayLanes {
     pub cull: [[f32; WIDTH]; 2],
     /// The part worth walking.
     pub part: [[f32; WIDTH]; 2],
-    /// Added to forward cells of the first ray's frame to give those of each ray's own; integers.
-    pub shift: [[f32; WIDTH]; 2],
     /// Mirrored cell of each ray's forward cell 0.
     pub origin: [[i32; WIDTH]; 2],
     pub turn: [[i32; WIDTH]; 2],
@@ -43,7 +41,6 @@ impl RayLanes {
             dz: none,
             cull: [none; 2],
             part: [none; 2],
-            shift: [none; 2],
             origin: [[0; WIDTH]; 2],
             turn: [[0; WIDTH]; 2],
             base: [[0; WIDTH]; 2],
@@ -63,35 +60,26 @@ impl RayLanes {
         same(0) & same(1) & near(0) & near(1)
     }
 
-    /// Fills the lanes that are not live with ray `first`, and counts cells from it.
+    /// Fills the lanes that are not live with ray `first`.
     #[inline(always)]
     pub fn repeat(&mut self, first: usize, live: u16) {
-        for (shift, origin) in self.shift.iter_mut().zip(&self.origin) {
-            for k in 0..WIDTH {
-                shift[k] = origin[first].wrapping_sub(origin[k]) as f32;
-            }
-        }
         if live == u16::MAX {
             return;
         }
-        for k in (0..WIDTH).filter(|k| live >> k & 1 == 0) {
-            for axis in 0..2 {
-                for of in [
-                    &mut self.o[axis],
-                    &mut self.d[axis],
-                    &mut self.inv[axis],
-                    &mut self.lo[axis],
-                    &mut self.hi[axis],
-                    &mut self.cull[axis],
-                    &mut self.part[axis],
-                    &mut self.shift[axis],
-                ] {
-                    of[k] = of[first];
-                }
-            }
-            (self.oz[k], self.dz[k]) = (self.oz[first], self.dz[first]);
-            self.below[k] = self.below[first];
+        let live: [bool; WIDTH] = std::array::from_fn(|k| live >> k & 1 == 1);
+        for axis in 0..2 {
+            repeat(&mut self.o[axis], first, &live);
+            repeat(&mut self.d[axis], first, &live);
+            repeat(&mut self.inv[axis], first, &live);
+            repeat(&mut self.lo[axis], first, &live);
+            repeat(&mut self.hi[axis], first, &live);
+            repeat(&mut self.cull[axis], first, &live);
+            repeat(&mut self.part[axis], first, &live);
+            repeat(&mut self.origin[axis], first, &live);
         }
+        repeat(&mut self.oz, first, &live);
+        repeat(&mut self.dz, first, &live);
+        repeat(&mut self.below, first, &live);
     }
 
     /// The unfolded cell behind a forward cell of a ray.
@@ -134,7 +122,7 @@ impl RayLanes {
 
 /// Two numbers of every ray.
 #[inline(always)]
-pub(super) fn pair<L: Lanes>(from: &[[f32; WIDTH]; 2]) -> [L; 2] {
+pub(in super::super) fn pair<L: Lanes>(from: &[[f32; WIDTH]; 2]) -> [L; 2] {
     [L::load(&from[0]), L::load(&from[1])]
 }
 
@@ -142,4 +130,13 @@ pub(super) fn pair<L: Lanes>(from: &[[f32; WIDTH]; 2]) -> [L; 2] {
 #[inline(always)]
 fn splat_pair<L: Lanes>(from: &[[f32; WIDTH]; 2], k: usize) -> [L; 2] {
     [L::splat(from[0][k]), L::splat(from[1][k])]
+}
+
+/// Fills the lanes that are not live with that of ray `first`.
+#[inline(always)]
+fn repeat<T: Copy>(of: &mut [T; WIDTH], first: usize, live: &[bool; WIDTH]) {
+    let value = of[first];
+    for k in 0..WIDTH {
+        of[k] = if live[k] { of[k] } else { value };
+    }
 }
