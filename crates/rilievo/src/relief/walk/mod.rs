@@ -25,8 +25,9 @@
 //! interval is cut to the ray's `cull` and to the tile here but not in the leaf: outside `cull` the
 //! ray is clear of the whole map's range by more than the slack, or past its own end. A ray that is
 //! known to start above the surface stays above it until its first root, so minima could not cull
-//! anything: they are not read. Where a ray starts inside the height range, one look at the surface
-//! under it tells.
+//! anything: they are not read. Known it is of rays that enter through the top and of those that leave
+//! the surface upward. A look at the surface under all others costs as much as the minima of the few
+//! nodes they meet (measured: shadow and diffuse rays, no difference beyond 4 %).
 //!
 //! **Slack of the cull (proof).** The test computes `s dz + oz'` with `oz'` the float next below (or
 //! above) `oz -+ 2 slack`, instead of `(s dz + oz) -+ slack`: one operation less. `oz'` is beyond
@@ -67,16 +68,13 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
     admit: Crossings,
     probe: &mut P,
 ) -> Option<LeafHit> {
-    let mut nodes = Nodes::new(pyramid, ray, frame);
+    let nodes = Nodes::new(pyramid, ray, frame);
     let blocks = Blocks::new(map, ray, frame);
     let top = pyramid.levels() - 1;
     let start = nodes.start();
     // The next node to test when nothing is left to do, and the last one.
     let (mut next, last, home) = match start {
-        Some(start) => {
-            nodes.look_down(map, &start);
-            (0, start.last_level.min(top), start.cell)
-        }
+        Some(start) => (0, start.last_level.min(top), start.cell),
         None => (top, top, frame.turn),
     };
     let mut at = home;
@@ -96,11 +94,11 @@ pub(crate) fn walk_pyramid<L: Lanes, P: Probe>(
         } else if next <= last {
             at = home;
             probe.node();
-            let mut lanes = nodes.met::<L>(next, home);
+            let mut met = nodes.met::<L>(next, home);
             if next > 0 && start.is_some() {
-                lanes &= !1u16 << lane_of(home, next);
+                met &= !1u16 << lane_of(home, next);
             }
-            stack.push(next, lanes);
+            stack.push(next, met);
             next += 1;
         } else {
             return None;

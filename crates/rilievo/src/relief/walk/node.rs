@@ -1,6 +1,6 @@
 //! [`Nodes`]: one ray against the sixteen children of a node.
 
-use crate::map::{HeightMap, Pyramid, SideBounds};
+use crate::map::{Pyramid, SideBounds};
 use crate::simd::{Lanes, Mirror, WIDTH};
 
 use super::super::leaf;
@@ -76,28 +76,6 @@ impl<'a> Nodes<'a> {
             oz: culled_heights([ray.oz; 2], ray.size),
             part: [larger(frame.enter, ray.cull[0]), smaller(frame.leave, ray.cull[1])],
             both: !ray.above,
-        }
-    }
-
-    /// Looks at the surface under a start inside the height range: a ray that starts above it needs
-    /// no minima. Only time is at stake, no root.
-    ///
-    /// Above is what is above by a lift in exact numbers. Those computed here are off by less than a slack:
-    /// four roundings of the height, half a one of the start, and its place by 2^-24 of a cell along x and
-    /// y, each of which is 2^-23 of the steepest difference of corners.
-    #[inline(always)]
-    pub fn look_down(&mut self, map: &HeightMap, start: &Start) {
-        // A start on the border may be counted to a cell beyond.
-        if self.both && start.cell == self.frame.origin {
-            let [x, y] = start.cell;
-            let [turn_x, turn_y] = self.frame.turn;
-            let corners = map.stored_corners((x ^ turn_x) as u32, (y ^ turn_y) as u32);
-            let at = |axis: usize| {
-                let o = self.ray.o[axis];
-                if self.frame.turn[axis] == 0 { o } else { 1.0 - o }
-            };
-            let gap = self.ray.oz - leaf::bilinear(&corners, at(0), at(1));
-            self.both = gap < leaf::lift(self.ray.size) + leaf::slack(self.ray.size);
         }
     }
 
