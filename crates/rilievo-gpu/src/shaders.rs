@@ -60,7 +60,8 @@ pub(crate) fn advance(light: Light, heights: Pages) -> String {
 impl Light {
     /// The names of words, as `rilievo_render::device` places them, and what is left out.
     fn text(self) -> String {
-        let Parts { images, normals, sky, metals, glass, principled, mixes, .. } = self.parts;
+        let Parts { images, normals, sky, metals, glass, principled, mixes, emitters, .. } =
+            self.parts;
         let (jittered, Self { faces, relief_spheres, relief_meshes, instances, .. }) =
             (self.parts.jittered, self);
         let flags = [
@@ -71,6 +72,7 @@ impl Light {
             ("GLASSES", glass),
             ("PRINCIPLEDS", principled),
             ("MIXES", mixes),
+            ("EMITTERS", emitters),
             ("JITTERED", jittered),
             ("FACES", faces),
             ("RELIEF_SPHERES", relief_spheres),
@@ -275,6 +277,7 @@ const TREES: &str = include_str!("shaders/integrator/distributed.wgsl");
 const PATH: &str = concat!(
     include_str!("shaders/sampler/path.wgsl"),
     include_str!("shaders/light/tree.wgsl"),
+    include_str!("shaders/light/emitter.wgsl"),
     include_str!("shaders/light/lighting.wgsl"),
     include_str!("shaders/bsdf/microfacet.wgsl"),
     include_str!("shaders/bsdf/diffuse.wgsl"),
@@ -328,13 +331,13 @@ mod tests {
     fn light_is_valid_without_optional_features() {
         // All, none, and one part at a time.
         for pages in [ONE, THREE] {
-            let one = (0..13).map(|bit| 1 << bit).filter(|_| pages == ONE);
-            for parts in [0x1fff, 0].into_iter().chain(one) {
+            let one = (0..14).map(|bit| 1 << bit).filter(|_| pages == ONE);
+            for parts in [0x3fff, 0].into_iter().chain(one) {
                 for path in [false, true] {
-                    let has: [bool; 13] = std::array::from_fn(|bit| parts >> bit & 1 != 0);
+                    let has: [bool; 14] = std::array::from_fn(|bit| parts >> bit & 1 != 0);
                     let [images, normals, sky, metals, glass, principled, mixes, jittered, ..] =
                         has;
-                    let [.., relief_meshes, faces, relief_spheres, instances] = has;
+                    let [.., emitters, relief_meshes, faces, relief_spheres, instances] = has;
                     let parts = Parts {
                         path,
                         images,
@@ -344,6 +347,7 @@ mod tests {
                         glass,
                         principled,
                         mixes,
+                        emitters,
                         jittered,
                     };
                     let light =

@@ -141,15 +141,16 @@ fn layers_mixes_and_bumps_scatter_as_they_do_on_the_cpu() {
 #[test]
 fn displaced_meshes_look_as_they_do_on_the_cpu() {
     let Some(gpu) = gpu() else { return };
-    let room = || Room { shapes: Shapes::Meshes, ..Room::default() };
-    let distributed = RenderSettings { diffuse_samples: 1, ..settings(Integrator::Distributed) };
-    for (name, settings) in [
-        ("first hits of meshes", settings(Integrator::Aov)),
-        ("trees around meshes", distributed),
-        ("paths around meshes", settings(Integrator::Path)),
+    for (name, integrator) in [
+        ("first hits of meshes", Integrator::Aov),
+        ("trees around meshes", Integrator::Distributed),
     ] {
-        compare(gpu, name, &room().scene(settings).with_lamps(lamps()));
+        let room = Room { shapes: Shapes::Meshes, ..Room::default() };
+        compare(gpu, name, &room.scene(settings(integrator)).with_lamps(lamps()));
     }
+    let path = settings(Integrator::Path);
+    let glowing = materials::glowing_room().scene(path).with_lamps(lamps());
+    compare(gpu, "paths around glowing meshes", &glowing);
 }
 
 #[test]
@@ -172,13 +173,12 @@ fn the_same_seed_gives_the_same_bytes_whatever_else_is_asked_for() {
 #[test]
 fn what_is_not_shaded_on_a_device_is_named_and_drawn_in_waves() {
     let Some(gpu) = gpu() else { return };
-    let glowing =
-        Material { emission: Some(room::image(false)), emitted: Rgb::ONE, ..Material::default() };
-    let scene =
-        Room { wall: glowing, side: 8, ..Room::default() }.scene(settings(Integrator::Path));
+    let lamp = Material { emitted: Rgb::splat(5.0), ..materials::mix_of_mixes() };
+    let wall = materials::mix_of_mixes();
+    let scene = Room { wall, lamp, side: 8, ..Room::default() }.scene(settings(Integrator::Path));
     let on_gpu = GpuScene::new(gpu, &scene).unwrap();
     let why = on_gpu.why_not().map(|why| why.to_string());
-    assert_eq!(why.as_deref(), Some("light from a relief, an image or an instance"));
+    assert_eq!(why.as_deref(), Some("a mix of mixes"));
     let options = RenderOptions { tracer: Some(&on_gpu), ..RenderOptions::default() };
     let (drawn, _) = render(&scene, &options).unwrap();
     assert!(drawn.radiance().iter().flatten().any(|x| *x > 0.1));

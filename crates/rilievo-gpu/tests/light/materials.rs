@@ -107,18 +107,50 @@ fn layers() -> [Material; 4] {
     [painted, detailed(cloth), body, sheet]
 }
 
-/// A room of principled surfaces with images and bumps, a mix of two metals, and a displaced ball.
+/// A material that shines by itself.
+fn glowing(material: Material, emitted: Rgb) -> Material {
+    Material { emitted, ..material }
+}
+
+/// One that shines by an image.
+fn pictured(material: Material, brightness: f64) -> Material {
+    Material { emission: Some(image(false)), emitted: Rgb::splat(brightness), ..material }
+}
+
+/// A room of principled surfaces with images and bumps, a mix of two metals, and a displaced ball. The floor shines by an
+/// image.
 pub fn painted_room() -> Room {
     let [floor, cloth, ball, sheet] = layers();
     let wall = mix(detailed(copper(0.5)), cloth, channel(Channel::Blue, false));
     let pyramid = mix(window(0.3), sheet, NumberInput::uniform(0.5));
+    let floor = pictured(floor, 0.3);
     Room { floor, wall, ball, pyramid, shapes: Shapes::Ball, ..Room::default() }
 }
 
-/// The same materials on other surfaces.
+/// The same materials on other surfaces; the ball and the pyramids shine.
 pub fn repainted_room() -> Room {
     let [painted, cloth, body, sheet] = layers();
     let ball = mix(detailed(clay(0.5)), painted, NumberInput::uniform(0.4));
+    let ball = pictured(ball, 1.5);
     let wall = mix(copper(0.3), body, NumberInput::uniform(1.0));
-    Room { floor: cloth, wall, ball, pyramid: sheet, shapes: Shapes::Ball, ..Room::default() }
+    let pyramid = glowing(sheet, Rgb::new(0.8, 0.4, 0.2));
+    Room { floor: cloth, wall, ball, pyramid, shapes: Shapes::Ball, ..Room::default() }
+}
+
+/// Displaced meshes that shine, by an image and in other places, before a wall that shines by an image.
+pub fn glowing_room() -> Room {
+    let [ball, pyramid] = [pictured(clay(0.0), 1.0), glowing(clay(0.5), Rgb::new(0.5, 0.8, 0.3))];
+    Room {
+        wall: pictured(clay(0.2), 0.6),
+        ball,
+        pyramid,
+        shapes: Shapes::Meshes,
+        ..Room::default()
+    }
+}
+
+/// A mix of which a part is one.
+pub fn mix_of_mixes() -> Material {
+    let half = || NumberInput::uniform(0.5);
+    mix(mix(clay(0.0), copper(0.2), half()), clay(0.5), half())
 }

@@ -81,6 +81,8 @@ pub struct Parts {
     pub principled: bool,
     /// Mixes of two materials.
     pub mixes: bool,
+    /// Emitters without a closed form, which rays are aimed at.
+    pub emitters: bool,
     /// Jittered numbers for paths, whose permutations take a shader long to compile.
     pub jittered: bool,
 }
@@ -167,7 +169,7 @@ impl SceneWords {
         let first = write_lights(&mut words, lights, anchor);
         words.set("LIGHTS", lights.len() as u32);
         words.set("FIRST_LIGHT", first);
-        let drawn = write_lighting(&mut words, scene, anchor)?;
+        let drawn = write_lighting(&mut words, &mut parts, scene, anchor)?;
         let surfaces = (0..count).zip(places).zip(drawn);
         let surfaces = surfaces.map(|((surface, material), drawn)| SurfaceWords {
             material,

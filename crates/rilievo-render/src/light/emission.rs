@@ -21,8 +21,8 @@ const EVEN: f64 = 0.05;
 #[derive(Clone, Debug)]
 pub(super) struct EmissionTable {
     /// Cells along u and v.
-    size: [usize; 2],
-    cells: Distribution,
+    pub(super) size: [usize; 2],
+    pub(super) cells: Distribution,
 }
 
 impl EmissionTable {

@@ -200,9 +200,9 @@ impl Lighting {
         own as u64 + self.tree.bytes() + self.shapes.iter().map(Shape::bytes).sum::<u64>()
     }
 
-    /// Whether anything is drawn by its shape.
-    pub(super) fn has_emitters(&self) -> bool {
-        !self.emitters.is_empty()
+    /// What is drawn by its shape, after all other lights of the tree, and the shapes.
+    pub(super) fn emitters(&self) -> (&[Emitter], &[Shape]) {
+        (&self.emitters, &self.shapes)
     }
 
     /// The lights of the tree, in its order.
@@ -216,7 +216,8 @@ impl Lighting {
     pub(super) fn first_of_surfaces(&self) -> impl Iterator<Item = Option<u32>> {
         self.of_surface.iter().map(|of| match of {
             OfSurface::From(first) => Some(*first),
-            OfSurface::Nothing | OfSurface::Emitter(_) => None,
+            OfSurface::Emitter(index) => Some(self.first_emitter + index),
+            OfSurface::Nothing => None,
         })
     }
 

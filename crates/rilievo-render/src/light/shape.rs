@@ -58,10 +58,10 @@ pub(super) enum Shape {
 #[derive(Clone, Debug)]
 pub(super) struct Flat {
     /// The base, moved to the middle of the offsets.
-    base: QuadLight,
+    pub(super) base: QuadLight,
     /// Half the range of the offsets.
-    half_range: f64,
-    table: Option<EmissionTable>,
+    pub(super) half_range: f64,
+    pub(super) table: Option<EmissionTable>,
 }
 
 impl Shape {

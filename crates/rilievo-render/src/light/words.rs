@@ -1,12 +1,15 @@
 //! Light in words, for shaders: the twins of these modules read them.
 
+mod shapes;
+
 use glam::DVec3;
 
 use super::bounds::LightBounds;
 use super::distribution::Distribution;
 use super::environment::Environment;
+use super::tree::LightTree;
 use super::{Light, PointLight, QuadLight, SphereLight, SunLight};
-use crate::device::{NOTHING, Uncovered, Words};
+use crate::device::{NOTHING, Parts, Uncovered, Words};
 use crate::scene::Scene;
 
 /// Words of a light.
@@ -22,6 +25,7 @@ const TRIANGLE: u32 = 1;
 const SPHERE: u32 = 2;
 const POINT: u32 = 3;
 const SUN: u32 = 4;
+const EMITTER: u32 = 5;
 
 /// Writes lights one after the other; returns the place of the first.
 pub(crate) fn write_lights(words: &mut Words, lights: &[Light], anchor: DVec3) -> u32 {
@@ -85,12 +89,14 @@ fn write_flat(words: &mut Words, corner: DVec3, edges: [DVec3; 2], normal: DVec3
     words.triple(normal);
 }
 
-/// Writes what lights paths; returns for each surface the first of the drawn lights that it is.
+/// Writes what lights paths; returns for each surface the first of the drawn lights that it is. `parts.emitters` says
+/// whether anything is drawn by its shape.
 ///
 /// # Errors
-/// [`Uncovered`] for emitters that are drawn by their shapes, and for too many lights.
+/// [`Uncovered`] for too many lights.
 pub(crate) fn write_lighting(
     words: &mut Words,
+    parts: &mut Parts,
     scene: &Scene,
     anchor: DVec3,
 ) -> Result<Vec<Option<u32>>, Uncovered> {
@@ -104,36 +110,49 @@ pub(crate) fn write_lighting(
         return Ok(vec![None; scene.world().surfaces().len()]);
     }
     let lighting = scene.lighting();
-    if lighting.has_emitters() {
-        return Err(Uncovered("light from a relief, an image or an instance"));
-    }
     let drawn = lighting.drawn(scene.world());
-    if drawn.len() > MOST_LIGHTS {
+    let (emitters, _) = lighting.emitters();
+    if drawn.len() + emitters.len() > MOST_LIGHTS {
         return Err(Uncovered("light from a mesh of more than a million triangles"));
     }
     words.set("CHOOSES", u32::from(lighting.chooses()));
     words.set("GROUPS", lighting.groups() as u32);
+    parts.emitters = !emitters.is_empty();
+    let shapes = shapes::write(words, lighting, scene.world(), anchor);
     let first = write_lights(words, &drawn, anchor);
     words.set("FIRST_DRAWN", first);
-    let tree = lighting.tree();
-    let place = words.place();
-    words.set("TREE", place);
-    let nodes = tree.nodes();
-    words.set("TREE_NODES", nodes.len() as u32);
-    for (bounds, next, leaf) in nodes {
-        write_node(words, &bounds, (next, leaf), anchor);
+    for emitter in emitters {
+        let place = words.place();
+        words.fill(place, 25);
+        words.push(EMITTER);
+        words.push(emitter.surface);
+        words.push(0);
+        words.push(shapes[emitter.shape as usize]);
+        words.fill(place, LIGHT_WORDS);
     }
-    let place = words.place();
-    words.set("WAYS", place);
-    for way in tree.ways() {
-        words.push(*way as u32);
-        words.push((*way >> 32) as u32);
-    }
+    let [nodes, ways] = write_tree(words, lighting.tree(), anchor);
+    words.set("TREE", nodes);
+    words.set("TREE_NODES", lighting.tree().nodes().len() as u32);
+    words.set("WAYS", ways);
     Ok(lighting.first_of_surfaces().collect())
 }
 
 fn is_sun(light: &Light) -> bool {
     matches!(light, Light::Sun(_))
+}
+
+/// Writes a tree; returns the places of its nodes and of the ways to its lights.
+fn write_tree(words: &mut Words, tree: &LightTree, anchor: DVec3) -> [u32; 2] {
+    let nodes = words.place();
+    for (bounds, next, leaf) in tree.nodes() {
+        write_node(words, &bounds, (next, leaf), anchor);
+    }
+    let ways = words.place();
+    for way in tree.ways() {
+        words.push(*way as u32);
+        words.push((*way >> 32) as u32);
+    }
+    [nodes, ways]
 }
 
 fn write_node(words: &mut Words, bounds: &LightBounds, (next, leaf): (u32, bool), anchor: DVec3) {

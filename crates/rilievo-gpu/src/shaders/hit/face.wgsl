@@ -71,6 +71,34 @@ fn raw_in_cell(cell: vec2<i32>, local: array<Double, 2>) -> Double {
     return sum(low, product(sum(c, product(d, local[0])), local[1]));
 }
 
+// The point above a place of the base of a face.
+fn place_on_face(form: u32, face_of_map: u32, uv: vec2<f32>) -> Place3 {
+    show(face_of_map);
+    let scale = vec2<f32>(number(form + 38u), number(form + 39u));
+    let shift = vec2<f32>(number(form + 40u), number(form + 41u));
+    let at = (uv - shift) / scale;
+    let cell = vec2<i32>(floor(at));
+    let within = at - floor(at);
+    return raised_place(form, cell, array<Double, 2>(double(within.x), double(within.y)));
+}
+
+// The point of the face at hand at a place of a cell.
+fn raised_place(form: u32, cell: vec2<i32>, local: array<Double, 2>) -> Place3 {
+    let x = sum(double(f32(cell.x)), local[0]);
+    let y = sum(double(f32(cell.y)), local[1]);
+    let raw_height = raw_in_cell(cell, local);
+    var place: Place3;
+    for (var k = 0u; k < 3u; k++) {
+        let flat = sum(
+            product(double_in_scene(form + 6u + 2u * k), x),
+            product(double_in_scene(form + 12u + 2u * k), y),
+        );
+        let raised = sum(flat, product(double_in_scene(form + 18u + 2u * k), raw_height));
+        place[k] = sum(double_in_scene(form + 2u * k), raised);
+    }
+    return place;
+}
+
 // The point of the face at hand.
 fn point_of_face(hit: Hit, source: Ray, form: u32) -> Point {
     var point: Point;
@@ -89,17 +117,7 @@ fn point_of_face(hit: Hit, source: Ray, form: u32) -> Point {
             let normal = normal_of_face(form, map_normal(kind, steep, hit.cell, local));
             point.shading = select(point.geometric, normal, dot(normal, point.geometric) > 0.0);
         }
-        let x = sum(double(f32(hit.cell.x)), hit.local[0]);
-        let y = sum(double(f32(hit.cell.y)), hit.local[1]);
-        let raw_height = raw_in_cell(hit.cell, hit.local);
-        for (var k = 0u; k < 3u; k++) {
-            let flat = sum(
-                product(double_in_scene(form + 6u + 2u * k), x),
-                product(double_in_scene(form + 12u + 2u * k), y),
-            );
-            let raised = sum(flat, product(double_in_scene(form + 18u + 2u * k), raw_height));
-            point.position[k] = sum(double_in_scene(form + 2u * k), raised);
-        }
+        point.position = raised_place(form, hit.cell, hit.local);
         let scale = vec2<f32>(number(form + 38u), number(form + 39u));
         let shift = vec2<f32>(number(form + 40u), number(form + 41u));
         let at = (vec2<f32>(hit.cell) + local) * scale + shift;

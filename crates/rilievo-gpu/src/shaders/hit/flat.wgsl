@@ -14,6 +14,7 @@ fn point_of_triangle(hit: Hit, source: Ray, form: u32) -> Point {
     let v = dot(way, triple(triangle + 12u));
     let w = dot(way, triple(triangle + 15u));
     point.geometric = triple(triangle + 18u);
+    point.spread = length(cross(e, f));
     let flags = scene[triangle + 36u];
     point.shading = point.geometric;
     if (flags & 1u) != 0u {

@@ -62,6 +62,52 @@ fn point_of_mesh_wall(hit: Hit, source: Ray, form: u32) -> Point {
     return point;
 }
 
+// A point of the sheet of a triangle at weights of its second and third corner and a height over the level, and the
+// displacement there.
+struct ShellPlace {
+    position: Place3,
+    rise: vec3<f32>,
+}
+
+fn shell_place(form: u32, shell: u32, weights: array<Double, 2>, height: Double) -> ShellPlace {
+    var out: ShellPlace;
+    for (var k = 0u; k < 3u; k++) {
+        // Of the base and the displacement.
+        var mixed: array<Double, 2>;
+        for (var part = 0u; part < 2u; part++) {
+            let at = shell + 18u * part + 2u * k;
+            let a = double_in_scene(at);
+            let e = product(weights[0], difference(double_in_scene(at + 6u), a));
+            let f = product(weights[1], difference(double_in_scene(at + 12u), a));
+            mixed[part] = sum(a, sum(e, f));
+        }
+        out.rise[k] = mixed[1].x;
+        let raised = sum(mixed[0], product(height, mixed[1]));
+        out.position[k] = sum(double_in_scene(form + 2u * k), raised);
+    }
+    return out;
+}
+
+// The point over a place of a base triangle.
+fn place_on_shell(form: u32, face_of_map: u32, index: u32, weights: vec2<f32>) -> Place3 {
+    show(face_of_map);
+    let shell = scene[form + 12u] + SHELL_FORM * index;
+    var cell: vec2<i32>;
+    var local: array<Double, 2>;
+    for (var k = 0u; k < 2u; k++) {
+        let along = sum(
+            scaled(double_in_scene(shell + 40u + 2u * k), weights.x),
+            scaled(double_in_scene(shell + 44u + 2u * k), weights.y),
+        );
+        let at = sum(double_in_scene(shell + 36u + 2u * k), along);
+        cell[k] = i32(floored(at));
+        local[k] = difference(at, double(floored(at)));
+    }
+    let height = difference(raw_in_cell(cell, local), double(number(form + 6u)));
+    let both = array<Double, 2>(double(weights.x), double(weights.y));
+    return shell_place(form, shell, both, height).position;
+}
+
 // A point of a triangle whose map is that of a face.
 fn point_of_shell(hit: Hit, form: u32, face_of_map: u32) -> Point {
     var point: Point;
@@ -94,20 +140,9 @@ fn point_of_shell(hit: Hit, form: u32, face_of_map: u32) -> Point {
         weights[k] = within_unit(weights[k]);
     }
     let height = difference(raw_in_cell(hit.cell, local), double(number(form + 6u)));
-    var rise: vec3<f32>;
-    for (var k = 0u; k < 3u; k++) {
-        // Of the base and the displacement.
-        var mixed: array<Double, 2>;
-        for (var part = 0u; part < 2u; part++) {
-            let at = shell + 18u * part + 2u * k;
-            let a = double_in_scene(at);
-            let e = product(weights[0], difference(double_in_scene(at + 6u), a));
-            let f = product(weights[1], difference(double_in_scene(at + 12u), a));
-            mixed[part] = sum(a, sum(e, f));
-        }
-        rise[k] = mixed[1].x;
-        point.position[k] = sum(double_in_scene(form + 2u * k), sum(mixed[0], product(height, mixed[1])));
-    }
+    let sheet = shell_place(form, shell, weights, height);
+    let rise = sheet.rise;
+    point.position = sheet.position;
     let h = unfolded_corners(hit.cell);
     let place = vec2<f32>(local[0].x, local[1].x);
     let bend = (h.w - h.z) - (h.y - h.x);
@@ -122,6 +157,9 @@ fn point_of_shell(hit: Hit, form: u32, face_of_map: u32) -> Point {
         along[k] = edges[k] + dot(slope, run) * rise;
     }
     point.geometric = unit_or(cross(along[0], along[1]), triple(shell + 69u));
+    if spread {
+        point.spread = abs(dot(cross(edges[0], edges[1]), rise) / dot(point.geometric, rise));
+    }
     point.shading = point.geometric;
     let v = weights[0].x;
     let w = weights[1].x;

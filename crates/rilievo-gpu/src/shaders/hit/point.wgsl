@@ -18,6 +18,8 @@ struct Point {
     front: bool,
     // Distance along the ray, scene units.
     distance: f32,
+    // Area for an area of 1 of a triangle's weights, before it is moved.
+    spread: f32,
 }
 
 fn rough_direction(source: Ray) -> vec3<f32> {

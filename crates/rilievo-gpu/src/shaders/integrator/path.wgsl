@@ -11,11 +11,14 @@ struct Walk {
     // meets; and from where.
     pdf: f32,
     both_sides: u32,
-    // Whether a ray to a light is out.
+    // What ray to a light is out: NO_LIGHT or one of those after it.
     asks: u32,
     position: Place3,
+    // The emitter that it is aimed at, and the density with which the material finds that direction.
+    aimed: u32,
+    aim_pdf: f32,
     normal: vec3<f32>,
-    // What that ray brings if nothing is in its way.
+    // What that ray brings if nothing is in its way; of one that is aimed, a factor on what it meets.
     brought: vec3<f32>,
 }
 
@@ -24,6 +27,12 @@ struct Trees {
     done: atomic<u32>,
     of_slots: array<Walk>,
 }
+
+// It counts if it meets nothing, or what it is aimed at, or the very point of that.
+const NO_LIGHT: u32 = 0u;
+const FREE: u32 = 1u;
+const AIMED: u32 = 2u;
+const AIMED_EXACTLY: u32 = 3u;
 
 // What is out.
 const CAMERA: u32 = 0u;
@@ -75,31 +84,64 @@ fn escaped(walk: Walk, direction: vec3<f32>) -> vec3<f32> {
     return radiance;
 }
 
-// Takes in what the path's ray met and scatters it; false at the path's end.
-fn take_step(at: u32, walk_of: ptr<function, Walk>, hit: Hit) -> bool {
-    let source = rays[at];
-    let direction = normalize(rough_direction(source));
+// Whether a ray that was aimed at an emitter met that.
+fn finds(walk: Walk, asks: u32, hit: Hit, source: Ray) -> bool {
+    let whole = hit.t.x * (1.0 + SAME) >= source.t_max.x * (1.0 - SAME);
+    let front = (hit.part & FRONT) != 0u;
+    return hit.surface == walk.aimed && front && (asks == AIMED || whole);
+}
+
+// Takes in what the rays that were out met, that to an emitter first, and scatters the path's own; false at its end.
+fn take_step(at: u32, walk_of: ptr<function, Walk>, asks: u32, ended: bool) -> bool {
     let depth = (*walk_of).depth;
-    if hit.surface == NOTHING {
-        add_radiance(at, held((*walk_of).throughput * escaped(*walk_of, direction), depth));
-        return false;
+    var point: Point;
+    var bsdf: Bsdf;
+    var direction: vec3<f32>;
+    var first = 1u;
+    if EMITTERS {
+        first = select(1u, 0u, asks > FREE);
     }
-    let point = point_of(hit, source);
-    (*walk_of).distance += point.distance;
-    let width = number(SPREAD) * (*walk_of).distance;
-    let lengths = vec2<f32>(length(point.along_u), length(point.along_v));
-    let over = select(vec2<f32>(0.0), width / max(lengths, vec2<f32>(1e-37)), lengths > vec2<f32>(0.0));
-    let ends = depth > scene[MAX_DEPTH];
-    var bsdf = bsdf_of(material_of(hit.surface), point, -direction, Footprint(point.uv, over), ends);
-    if point.front && !is_black(bsdf.emitted) {
-        var weight = 1.0;
-        if (*walk_of).pdf >= 0.0 {
-            let before = Receiver((*walk_of).position, (*walk_of).normal, (*walk_of).both_sides != 0u);
-            weight = power((*walk_of).pdf, pdf_of_hit(before, direction, point));
+    for (var k = first; k < select(2u, 1u, ended); k++) {
+        let aimed = EMITTERS && k == 0u;
+        let place = select(at, now.slots + at, aimed);
+        let hit = hits[place];
+        let source = rays[place];
+        direction = normalize(rough_direction(source));
+        if aimed && !finds(*walk_of, asks, hit, source) {
+            continue;
         }
-        add_radiance(at, held((*walk_of).throughput * bsdf.emitted * weight, depth));
+        if hit.surface == NOTHING {
+            add_radiance(at, held((*walk_of).throughput * escaped(*walk_of, direction), depth));
+            return false;
+        }
+        point = point_of(hit, source);
+        if !aimed {
+            (*walk_of).distance += point.distance;
+        }
+        let width = number(SPREAD) * (*walk_of).distance;
+        let lengths = vec2<f32>(length(point.along_u), length(point.along_v));
+        let over = select(vec2<f32>(0.0), width / max(lengths, vec2<f32>(1e-37)), lengths > vec2<f32>(0.0));
+        let ends = aimed || depth > scene[MAX_DEPTH];
+        bsdf = bsdf_of(material_of(hit.surface), point, -direction, Footprint(point.uv, over), ends);
+        if point.front && !is_black(bsdf.emitted) {
+            var factor = (*walk_of).throughput;
+            if aimed || (*walk_of).pdf >= 0.0 {
+                let before = Receiver((*walk_of).position, (*walk_of).normal, (*walk_of).both_sides != 0u);
+                let sampled = pdf_of_hit(before, direction, point);
+                if aimed {
+                    let weight = power(sampled, (*walk_of).aim_pdf) / sampled;
+                    factor = select(vec3<f32>(0.0), (*walk_of).brought * weight, sampled > 0.0);
+                } else {
+                    factor *= power((*walk_of).pdf, sampled);
+                }
+            }
+            add_radiance(at, held(factor * bsdf.emitted, depth));
+        }
+        if ends && !aimed {
+            return false;
+        }
     }
-    if ends {
+    if ended {
         return false;
     }
     let facing = select(-point.geometric, point.geometric, point.front);
@@ -115,7 +157,7 @@ fn take_step(at: u32, walk_of: ptr<function, Walk>, hit: Hit) -> bool {
     var drawn: DrawnLight;
     if !bsdf_is_delta(&bsdf) {
         drawn = draw_light(receiver, choice, place_of_light);
-        drawn.sample.valid = drawn.sample.valid && drawn.surface != hit.surface;
+        drawn.sample.valid = drawn.sample.valid && drawn.surface != point.surface;
     }
     var scattered = sample_bsdf(&bsdf, lobe, place);
     // What the material says of the light that was drawn, and of the way that the path goes on.
@@ -133,15 +175,28 @@ fn take_step(at: u32, walk_of: ptr<function, Walk>, hit: Hit) -> bool {
         if drawn.sample.pdf > 0.0 {
             weight = power(drawn.sample.pdf, value.w);
         }
-        let brought = (*walk_of).throughput * value.xyz * drawn.sample.weight * weight;
-        (*walk_of).brought = held(brought, depth + 1u);
-        (*walk_of).asks = 1u;
+        let brought = (*walk_of).throughput * value.xyz;
+        (*walk_of).brought = held(brought * drawn.sample.weight * weight, depth + 1u);
+        (*walk_of).asks = FREE;
         var shadow = spawn(point, drawn.sample.way, drawn.sample.end);
         shadow.exempt = drawn.exempt;
         shadow.any = 1u;
+        if EMITTERS {
+            if drawn.aimed != NOTHING {
+                (*walk_of).brought = brought;
+                (*walk_of).asks = select(AIMED, AIMED_EXACTLY, drawn.exact);
+                (*walk_of).aimed = drawn.aimed;
+                (*walk_of).aim_pdf = value.w;
+                shadow.any = 0u;
+            }
+        }
         rays[now.slots + at] = shadow;
         slots[at].sent[0] += 1u;
     }
+    (*walk_of).position = point.position;
+    (*walk_of).normal = facing;
+    (*walk_of).both_sides = u32(receiver.both_sides);
+    (*walk_of).depth = depth + 1u;
     scattered = weighed(scattered, values[1]);
     if !scattered.found {
         return false;
@@ -155,10 +210,6 @@ fn take_step(at: u32, walk_of: ptr<function, Walk>, hit: Hit) -> bool {
         (*walk_of).throughput /= go_on;
     }
     (*walk_of).pdf = select(scattered.pdf, -1.0, scattered.delta);
-    (*walk_of).position = point.position;
-    (*walk_of).normal = facing;
-    (*walk_of).both_sides = u32(receiver.both_sides);
-    (*walk_of).depth = depth + 1u;
     if scattered.roughness < 1.0 {
         slots[at].sent[1] += 1u;
     } else {
@@ -182,17 +233,19 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     } else {
         walk_now = trees.of_slots[at];
     }
-    if walk_now.asks != 0u && hits[now.slots + at].surface == NOTHING {
+    let asks = walk_now.asks;
+    if asks == FREE && hits[now.slots + at].surface == NOTHING {
         add_radiance(at, walk_now.brought);
     }
-    walk_now.asks = 0u;
+    walk_now.asks = NO_LIGHT;
     sampler_now = PathSampler(slots[at].key, slots[at].sample, slots[at].dimension);
     var goes_on = false;
-    if slots[at].stage != ENDS {
-        goes_on = take_step(at, &walk_now, hits[at]);
+    let ended = slots[at].stage == ENDS;
+    if !ended || asks > FREE {
+        goes_on = take_step(at, &walk_now, asks, ended);
     }
     slots[at].dimension = sampler_now.dimension;
-    if walk_now.asks == 0u {
+    if walk_now.asks == NO_LIGHT {
         rays[now.slots + at] = no_ray();
     }
     if goes_on {
@@ -200,7 +253,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     } else {
         rays[at] = no_ray();
         slots[at].stage = ENDS;
-        if walk_now.asks == 0u {
+        if walk_now.asks == NO_LIGHT {
             slots[at].stage = DONE;
             atomicAdd(&trees.done, 1u);
         }

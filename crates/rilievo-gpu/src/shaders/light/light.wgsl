@@ -183,11 +183,10 @@ fn sees_sun(light: u32, direction: vec3<f32>) -> bool {
     return 0.5 * dot(apart, apart) < number(light + 3u);
 }
 
-// Density with which a point of the light is drawn from `position` in a unit direction that meets its front at a
+// Density with which a point of the light is drawn as it is seen, in a unit direction that meets its front at a
 // distance, per steradian.
-fn light_pdf(light: u32, position: Place3, direction: vec3<f32>, distance: f32) -> f32 {
+fn light_pdf(light: u32, view: LightView, direction: vec3<f32>, distance: f32) -> f32 {
     let kind = scene[light + LIGHT_KIND];
-    let view = view_of(light, position);
     if !view.visible || kind >= POINT_LIGHT {
         return 0.0;
     }

@@ -19,8 +19,11 @@ fn less_angle(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {
     return vec2<f32>(a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y);
 }
 
+// Where the nodes of the tree at hand lie.
+var<private> nodes_now: u32;
+
 fn tree_node(index: u32) -> u32 {
-    return scene[TREE] + TREE_RECORD * index;
+    return nodes_now + TREE_RECORD * index;
 }
 
 // What the intensity of a node brings, a part of it at most `most`, for a factor on both.
@@ -80,6 +83,8 @@ fn first_share(index: u32, at: Receiver) -> f32 {
 struct Chosen {
     light: u32,
     probability: f32,
+    // A number for what is chosen next.
+    rest: f32,
 }
 
 // A light for u in [0, 1); of probability 0 where no light reaches the receiver.
@@ -90,7 +95,7 @@ fn choose_light(at: Receiver, choice: f32) -> Chosen {
     for (var steps_down = 0u; steps_down < 70u; steps_down++) {
         let node = tree_node(index);
         if scene[node + 19u] != 0u {
-            return Chosen(scene[node + 18u], probability);
+            return Chosen(scene[node + 18u], probability, u);
         }
         let share = first_share(index, at);
         if share < 0.0 {
@@ -106,12 +111,12 @@ fn choose_light(at: Receiver, choice: f32) -> Chosen {
             index = scene[node + 18u];
         }
     }
-    return Chosen(0u, 0.0);
+    return Chosen(0u, 0.0, u);
 }
 
-// The probability of `choose_light` for a light.
-fn light_probability(at: Receiver, light: u32) -> f32 {
-    var way = vec2<u32>(scene[scene[WAYS] + 2u * light], scene[scene[WAYS] + 2u * light + 1u]);
+// The probability of `choose_light` for a light, whose way through the tree is one of those from a place on.
+fn light_probability(at: Receiver, ways: u32, light: u32) -> f32 {
+    var way = vec2<u32>(scene[ways + 2u * light], scene[ways + 2u * light + 1u]);
     if all(way == vec2<u32>(NOTHING)) {
         return 0.0;
     }
