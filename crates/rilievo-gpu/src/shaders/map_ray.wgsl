@@ -151,7 +151,8 @@ fn clip(origin: array<Double, 3>, direction: array<Double, 3>, lift: f32, t_max:
     var end = 1.0;
     if below(t_max, leave) {
         let own = product(difference(t_max, enter), part);
-        end = smaller(own.x * (1.0 + 1e-6) + 1e-9, 1.0);
+        // In doubles as all before the last rounding: fixed steps divide what lies before it.
+        end = smaller(sum(sum(own, scaled(own, 1e-6)), double(1e-9)).x, 1.0);
     }
     for (var k = 0u; k < 3u; k++) {
         exact.origin[k] = sum(o[k], product(enter, d[k]));

@@ -49,7 +49,7 @@ fn stored_coordinate(axis: u32, x: f32) -> f32 {
 }
 
 fn gap_at_point(p: vec3<f32>) -> f32 {
-    let cell = floor(p.xy);
+    let cell = vec2<f32>(cell_in_window(0u, floor(p.x)), cell_in_window(1u, floor(p.y)));
     let local = p.xy - cell;
     let h = unfolded_corners(vec2<i32>(cell));
     return p.z - mix(mix(h.x, h.y, local.x), mix(h.z, h.w, local.x), local.y);

@@ -253,8 +253,13 @@ impl HeightMap {
     #[inline]
     pub fn raw_at_lattice(&self, x: f64, y: f64) -> f64 {
         let (i, j) = (x.floor(), y.floor());
-        let h = self.unfolded_corners(i as i32, j as i32).map(f64::from);
-        let (fx, fy) = (x - i, y - j);
+        self.raw_in_cell([i as i32, j as i32], [x - i, y - j])
+    }
+
+    /// Raw value at a place of an unfolded cell.
+    #[inline]
+    pub(crate) fn raw_in_cell(&self, cell: [i32; 2], [fx, fy]: [f64; 2]) -> f64 {
+        let h = self.unfolded_corners(cell[0], cell[1]).map(f64::from);
         let (low, high) = (h[0] + (h[1] - h[0]) * fx, h[2] + (h[3] - h[2]) * fx);
         low + (high - low) * fy
     }

@@ -31,22 +31,30 @@ pub(crate) struct ApproximateHit {
 pub(crate) struct Segment<'a> {
     map: &'a HeightMap,
     ray: &'a ExactRay,
+    window: &'a Window,
     from: f64,
     to: f64,
-    /// The end of the height range through which the ray comes in, if it does not come from a side.
+    /// The ends of the height range through which the ray comes in and goes out, where it does not do so
+    /// through a side or end before.
     entry: Option<f64>,
+    exit: Option<f64>,
     /// Whether the ray starts on this very surface.
     spawned: bool,
 }
 
 impl<'a> Segment<'a> {
     /// The segment, if the ray crosses the box before `s = 1`.
-    pub fn new(map: &'a HeightMap, ray: &'a ExactRay, window: &Window, end: f64) -> Option<Self> {
+    pub fn new(
+        map: &'a HeightMap,
+        ray: &'a ExactRay,
+        window: &'a Window,
+        end: f64,
+    ) -> Option<Self> {
         let (low, high) = map.raw_range();
         let lows = [window.lo[0], window.lo[1], f64::from(low)];
         let highs = [window.hi[0], window.hi[1], f64::from(high)];
         let (mut from, mut to) = (0.0f64, end);
-        let mut entry = None;
+        let (mut entry, mut exit) = (None, None);
         for k in 0..3 {
             let (o, d) = (ray.origin[k], ray.direction[k]);
             if d == 0.0 {
@@ -56,13 +64,15 @@ impl<'a> Segment<'a> {
                 continue;
             }
             let (a, b) = ((lows[k] - o) / d, (highs[k] - o) / d);
-            if k == 2 && a.min(b) > from {
-                entry = Some(if d < 0.0 { highs[2] } else { lows[2] });
+            if k == 2 {
+                let ends = if d < 0.0 { [highs[2], lows[2]] } else { [lows[2], highs[2]] };
+                entry = (a.min(b) > from).then_some(ends[0]);
+                exit = (a.max(b) < to).then_some(ends[1]);
             }
             from = from.max(a.min(b));
             to = to.min(a.max(b));
         }
-        (from <= to).then_some(Self { map, ray, from, to, entry, spawned: false })
+        (from <= to).then_some(Self { map, ray, window, from, to, entry, exit, spawned: false })
     }
 
     /// The same for a ray that starts on the surface: the start itself is not to be found.
@@ -76,8 +86,20 @@ impl<'a> Segment<'a> {
     }
 
     fn gap(&self, s: f64) -> f64 {
-        let [x, y, z] = self.point(s);
-        z - self.map.raw_at_lattice(x, y)
+        self.point(s)[2] - self.under(s)
+    }
+
+    /// Raw height of the surface under or above a point.
+    fn under(&self, s: f64) -> f64 {
+        let [x, y, _] = self.point(s);
+        let ([i, j], local) = cell_in(self.window, [x, y]);
+        self.map.raw_in_cell([i, j], local)
+    }
+
+    /// The gap where the ray passes an end of the height range: its sign is that of no rounding.
+    fn gap_at_end(&self, s: f64, end: f64) -> f64 {
+        let (low, high) = self.map.raw_range();
+        end - self.under(s).clamp(low.into(), high.into())
     }
 
     /// Parameter length of half a cell, or of the whole segment for an upright ray.
@@ -128,18 +150,21 @@ impl<'a> Segment<'a> {
         }
         let mut last = (from, self.gap(from));
         let mut from_above = last.1 > 0.0;
-        if let Some(z) = self.entry.filter(|_| !self.spawned) {
-            // The highest and lowest places touch the ends of the range, where the ray comes in.
-            let [x, y, _] = self.point(from);
+        // The highest and lowest places touch the ends of the range, where the ray comes in and goes out.
+        if let Some(end) = self.entry.filter(|_| !self.spawned) {
             from_above = self.ray.direction[2] < 0.0;
-            if z == self.map.raw_at_lattice(x, y) {
+            if self.gap_at_end(from, end) == 0.0 {
                 return Some(ApproximateHit { s: from, from_above });
             }
         }
         for k in 1..=MARCH_STEPS {
             probe.step();
             let s = from + f64::from(k) * step;
-            let gap = self.gap(s);
+            let exit = self.exit.filter(|_| k == MARCH_STEPS);
+            let gap = exit.map_or_else(|| self.gap(s), |end| self.gap_at_end(s, end));
+            if exit.is_some() && gap == 0.0 {
+                return Some(ApproximateHit { s, from_above });
+            }
             if (gap > 0.0) != from_above {
                 let s = last.0 + (s - last.0) * last.1 / (last.1 - gap);
                 return Some(ApproximateHit { s, from_above });
@@ -148,6 +173,16 @@ impl<'a> Segment<'a> {
         }
         None
     }
+}
+
+/// The unfolded cell of a window that holds a point, and where in it: on the window's border the cell inside, where
+/// rounding would choose between two tiles that may not meet.
+pub(super) fn cell_in(window: &Window, point: [f64; 2]) -> ([i32; 2], [f64; 2]) {
+    let cell = [0, 1].map(|k| {
+        let last = (window.hi[k].ceil() - 1.0).max(window.lo[k].floor());
+        point[k].floor().clamp(window.lo[k].floor(), last)
+    });
+    (cell.map(|c| c as i32), [point[0] - cell[0], point[1] - cell[1]])
 }
 
 /// Stored-cell coordinate of an unfolded lattice coordinate.
@@ -181,6 +216,28 @@ mod tests {
                 let hit = face.closest(&Ray::new(origin, target - origin), &mut ());
                 let hit = hit.expect("a flat top");
                 assert!(hit.front && (hit.position - target).length() < 1e-9, "{hit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn flat_floors_and_tops_are_met_where_rays_go_out() {
+        let map = Procedural::Studded { studs: [1, 1] };
+        let map = map.height_map_f32([33, 33], Lattice::Vertex, Wrap::Clamp).unwrap();
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y].map(|c| c * 0.7);
+        let options = FaceOptions { method: Method::March, ..FaceOptions::default() };
+        let face = ReliefFace::new(corners, Arc::new(Relief::new(map)), options).unwrap();
+        for i in 0..1000 {
+            let along = 0.0001 * f64::from(i);
+            let floor = DVec3::new(0.02 + along, 0.65 - 0.3 * along, 0.0);
+            let top = DVec3::new(0.3 + along, 0.35 - 0.3 * along, 1.0);
+            for (target, up) in [(floor, 1.0), (top, -1.0)] {
+                // No stud is in the way of the one, nor a floor of the other.
+                let origin = target + up * DVec3::new(0.013 * along, 0.011, 1.7 + along);
+                let hit = face.closest(&Ray::new(origin, target - origin), &mut ());
+                let hit = hit.unwrap_or_else(|| panic!("{target} from {origin}"));
+                assert!(hit.front == (up > 0.0), "{hit:?}");
+                assert!((hit.position - target).length() < 1e-9, "{hit:?}");
             }
         }
     }

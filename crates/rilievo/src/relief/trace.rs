@@ -6,7 +6,7 @@ use crate::ray::{Ray, Wall};
 use crate::simd::Lanes;
 
 use super::Relief;
-use super::approximate::{ApproximateHit, Segment};
+use super::approximate::{ApproximateHit, Segment, cell_in};
 use super::cell_walk::walk_cells;
 use super::distance_walk::walk_distance;
 use super::kernels::Tiles;
@@ -315,17 +315,14 @@ fn first_approximate<P: Probe>(
 fn approximate_crossing(face: &Trace<'_>, ray: &MapRay, hit: ApproximateHit) -> Crossing {
     let exact = &ray.exact;
     let at = |k: usize| exact.origin[k] + hit.s * exact.direction[k];
-    let (x, y) = (at(0), at(1));
-    let cell = [x.floor(), y.floor()];
+    let lattice = [at(0), at(1)];
+    let (cell, local) = cell_in(&face.placement.window, lattice);
     Crossing {
         t: exact.t_start + hit.s * exact.t_length,
-        lattice: [x, y],
+        lattice,
         raw: at(2),
         error: 0.0,
         front: hit.from_above == (face.options.displacement.scale > 0.0),
-        place: Place::Cell {
-            cell: [cell[0] as i32, cell[1] as i32],
-            local: [x - cell[0], y - cell[1]],
-        },
+        place: Place::Cell { cell, local },
     }
 }
