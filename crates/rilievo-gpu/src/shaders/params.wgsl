@@ -19,9 +19,10 @@ struct Ray {
     t_max: Double,
     // The surface it leaves, or NOTHING.
     surface: u32,
-    // Bits: FRONT, and the kind of wall it leaves from bit 8 up (1 + axis * 2 + high, or 5 + axis for a seam).
+    // Bits: FRONT, and the kind of wall it leaves from bit 8 up (1 + axis * 2 + high, 5 + axis for a seam, or 7 for a wall of
+    // a mesh).
     leaves: u32,
-    // The line of a seam; of a mesh the triangle.
+    // The line of a seam; of a mesh the triangle or the wall.
     line: i32,
     // Always 0, which no compiler knows; see `rounded`.
     zero: u32,

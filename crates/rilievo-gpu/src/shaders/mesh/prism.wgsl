@@ -121,6 +121,32 @@ fn clip_prism(path: Path) -> vec2<f32> {
     return span;
 }
 
+// First cell and one past the last of a row of cells that the widened footprint touches, counted from the prism's base.
+fn footprint_row(row: f32) -> vec2<i32> {
+    let size = max(abs(prism.corners[1] - prism.corners[0]), abs(prism.corners[2] - prism.corners[0]));
+    let beside = MARGIN + 1e-6 * (size.x + size.y);
+    let ends = vec2<f32>(row - beside, row + 1.0 + beside);
+    var low = 1e9;
+    var high = -1e9;
+    for (var k = 0u; k < 3u; k++) {
+        let p = prism.corners[k];
+        let way = prism.corners[(k + 1u) % 3u] - p;
+        // The part of the side that runs through the row.
+        var part = vec2<f32>(0.0, 1.0);
+        if way.y != 0.0 {
+            let at = (ends - p.y) / way.y;
+            part = clamp(vec2<f32>(min(at.x, at.y), max(at.x, at.y)) + vec2<f32>(-1e-6, 1e-6), vec2<f32>(0.0), vec2<f32>(1.0));
+        }
+        let y = p.y + part * way.y;
+        if min(y.x, y.y) <= ends.y + beside && max(y.x, y.y) >= ends.x - beside {
+            let x = p.x + part * way.x;
+            low = min(low, min(x.x, x.y));
+            high = max(high, max(x.x, x.y));
+        }
+    }
+    return vec2<i32>(vec2<f32>(floor(low - beside), floor(high + beside) + 1.0));
+}
+
 // Whether a cell, counted from the prism's base, lies outside of the footprint.
 fn misses_footprint(cell: vec2<f32>) -> bool {
     let a = prism.corners[0];

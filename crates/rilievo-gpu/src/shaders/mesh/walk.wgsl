@@ -282,7 +282,8 @@ fn walk_prism(index: u32) {
     if prism.flags != (prism.flags | SPREAD | SEES) {
         // The uv span no area, or the triangle has no frame: every cell under it.
         for (var y = prism.first.y; y < prism.end.y; y++) {
-            for (var x = prism.first.x; x < prism.end.x; x++) {
+            let row = footprint_row(f32(y - prism.base.y)) + prism.base.x;
+            for (var x = max(row.x, prism.first.x); x < min(row.y, prism.end.x); x++) {
                 let cell = vec2<i32>(x, y);
                 if !misses_footprint(vec2<f32>(cell - prism.base)) {
                     leaf_of_mesh(cell, index);
