@@ -99,17 +99,19 @@ const KINDS: [Kind; 17] = [
     ("noise 3 x 5 floats", Shape::White(7), [3, 5], false),
 ];
 
+/// Every lattice with every wrap.
+pub const UNFOLDINGS: [(Lattice, Wrap); 6] = [
+    (Lattice::Vertex, Wrap::Repeat),
+    (Lattice::Texel, Wrap::Repeat),
+    (Lattice::Vertex, Wrap::Clamp),
+    (Lattice::Texel, Wrap::Clamp),
+    (Lattice::Vertex, Wrap::Mirror),
+    (Lattice::Texel, Wrap::Mirror),
+];
+
 /// Every kind of map with some of the placements, so that each placement and each lattice and
 /// wrap occurs with several kinds.
 pub fn all() -> Vec<Scene> {
-    let unfoldings = [
-        (Lattice::Vertex, Wrap::Repeat),
-        (Lattice::Texel, Wrap::Repeat),
-        (Lattice::Vertex, Wrap::Clamp),
-        (Lattice::Texel, Wrap::Clamp),
-        (Lattice::Vertex, Wrap::Mirror),
-        (Lattice::Texel, Wrap::Mirror),
-    ];
     let placements = placements();
     let mut scenes = Vec::new();
     for (k, (kind, shape, size, codes)) in KINDS.into_iter().enumerate() {
@@ -117,7 +119,7 @@ pub fn all() -> Vec<Scene> {
         // share a factor, so the unfolding also moves with the kind.
         for n in 0..5 {
             let (label, place) = &placements[(5 * k + n) % placements.len()];
-            let (lattice, wrap) = unfoldings[(k + n) % unfoldings.len()];
+            let (lattice, wrap) = UNFOLDINGS[(k + n) % UNFOLDINGS.len()];
             let map = if codes {
                 shape.codes(size, lattice, wrap)
             } else {

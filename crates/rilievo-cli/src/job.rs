@@ -15,6 +15,7 @@ use rilievo_render::{Aov, MemoryUse, RenderOptions, RenderSettings, Scene};
 
 use crate::args::value::PictureFormat;
 use crate::args::{RenderArgs, Talk};
+use crate::backend::Device;
 use crate::memory::predicted_bytes;
 use crate::name;
 use crate::outcome::Failure;
@@ -52,8 +53,8 @@ pub struct RenderJob {
 }
 
 impl RenderJob {
-    /// Reads the scene and builds what its methods need.
-    pub fn open(args: &RenderArgs) -> Result<Self, Failure> {
+    /// Reads the scene and builds what its methods need, distance maps on a GPU if one is asked for.
+    pub fn open(args: &RenderArgs, device: &Device) -> Result<Self, Failure> {
         let watch = Stopwatch::start();
         let limits = args.max_memory.map_or_else(Limits::default, |max_bytes| Limits { max_bytes });
         let options = LoadOptions {
@@ -62,6 +63,7 @@ impl RenderJob {
             layout: args.layout,
             integrator: args.integrator,
             simd: args.simd.unwrap_or_default(),
+            build_distances: &|heights, kind, options| device.distance_map(heights, kind, options),
             ..LoadOptions::default()
         };
         let file = SceneFile::present(&args.scene, &options.limits)?;

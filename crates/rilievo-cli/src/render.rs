@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::args::RenderArgs;
 use crate::args::value::PictureFormat;
-use crate::backend;
+use crate::backend::{self, Device};
 use crate::checkpoint::{self, Before, Checkpoints};
 use crate::interrupt::Interrupt;
 use crate::job::RenderJob;
@@ -77,7 +77,8 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install().map_err(Failure::Signals)?;
     check_format(args)?;
     let args = &checkpoint::with_flags_before(args)?;
-    let job = RenderJob::open(args)?;
+    let device = Device::new(args.backend);
+    let job = RenderJob::open(args, &device)?;
     let watch = Stopwatch::start();
     let film = match checkpoint::before(args, &job)? {
         Before::Nothing => None,
@@ -92,7 +93,7 @@ pub fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let resumed = film.is_some();
     let begin =
         |tracer: Option<&dyn Tracer>| render(args, &job, (film, tracer), (&interrupt, &live));
-    let ((film, stats, limited), backend) = backend::with_tracer(args, &job.scene, begin)?;
+    let ((film, stats, limited), backend) = backend::with_tracer(args, &device, &job.scene, begin)?;
     let rendering = watch.elapsed();
     let share = film.rays_done() as f64 / film.rays() as f64;
     let output = &args.output;

@@ -46,8 +46,10 @@ pub(crate) enum Kernel {
     Ground,
     /// The other levels.
     Coarser,
-    /// A step of making a distance map.
+    /// A step of making a distance map of kind boxes.
     Boxes(BoxKernel),
+    /// The codes of the nodes of a distance map of another kind.
+    Nearest,
 }
 
 /// What a driver tells outside of any call.
@@ -237,6 +239,7 @@ impl Gpu {
             Kernel::Ground => ("ground", shaders::pyramid(pages)),
             Kernel::Coarser => ("coarser", shaders::pyramid(pages)),
             Kernel::Boxes(kernel) => (kernel.name(), shaders::boxes(pages)),
+            Kernel::Nearest => ("find_nearest", shaders::nearest(pages)),
         };
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),

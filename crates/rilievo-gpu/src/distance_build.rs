@@ -1,26 +1,38 @@
-//! Distance maps of kind boxes made on a device (`shaders/boxes.wgsl`), code for code those of the CPU.
+//! Distance maps made on a device, code for code those of the CPU: kind boxes here (`shaders/boxes.wgsl`), the kinds with nodes in
+//! `nearest`.
 //!
 //! Squared distances are whole numbers of 64 bits. What the CPU computes in `f64` before it counts, the shader computes in
 //! integers rounded as `f64` rounds (`shaders/exact.wgsl`), and the code of a number of steps is looked up in a table that the
 //! CPU makes ([`BoxSteps`]): no device can flush, fuse or reorder any of it. Slabs go in batches, so
-//! that what is written between is small and no dispatch is long.
+//! that what is written between is small, and rows by the time they take, so that no dispatch is long.
+
+mod nearest;
+mod pace;
 
 use rilievo::map::{
-    BoxSteps, Codes, DistanceBits, DistanceKind, DistanceMap, DistanceOptions, DistanceParts,
-    HeightMap, Samples,
+    BoxSteps, Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
+    DistanceParts, HeightMap, Samples,
 };
 use wgpu::BufferUsages;
 
 use crate::device::{Gpu, Kernel};
+use crate::distances;
 use crate::error::GpuError;
 use crate::pages::{Paged, Pages};
 use crate::records::BOX_TASK_WORDS;
+use pace::Pace;
 
 /// Bytes of steps that a batch of slabs is to take at most, in each of two buffers.
 const BATCH_BYTES: u64 = 32 << 20;
 
 /// Voxels along x and y, and slabs at once: workgroups of a dispatch along an axis.
 const LARGEST_SIDE: u32 = 65_535;
+
+/// Cells along an axis of a column that the CPU looks through.
+const LARGEST_COLUMN: u32 = 128;
+
+/// Voxels of the first dispatch that searches along the map.
+const FIRST_VOXELS: u32 = 1 << 16;
 
 /// The steps of the build, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -58,19 +70,31 @@ impl BoxKernel {
 }
 
 impl Gpu {
-    /// The distance map of kind [`DistanceKind::Boxes`] of `heights`, made on the device: what
-    /// [`DistanceMap::from_height`] makes, code for code.
+    /// The distance map of `heights`, made on the device: what [`DistanceMap::from_height`] makes, code for code.
     ///
     /// # Errors
     /// [`GpuError::Distances`] for options that are not allowed, [`GpuError::TooLarge`] past what the device holds,
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
-    pub fn box_distances(
+    pub fn distance_map(
+        &self,
+        heights: &HeightMap,
+        kind: DistanceKind,
+        options: &DistanceOptions,
+    ) -> Result<DistanceMap, GpuError> {
+        match kind {
+            DistanceKind::Boxes => self.boxes(heights, options),
+            DistanceKind::Corrected | DistanceKind::Published => {
+                nearest::distances(self, heights, kind, options)
+            }
+        }
+    }
+
+    fn boxes(
         &self,
         heights: &HeightMap,
         options: &DistanceOptions,
     ) -> Result<DistanceMap, GpuError> {
-        let refused = |reason: String| GpuError::Distances { reason };
-        let steps = BoxSteps::new(heights, options).map_err(|error| refused(error.to_string()))?;
+        let steps = BoxSteps::new(heights, options).map_err(refused)?;
         let codes = Build::new(self, (heights, options), &steps)?.codes(&steps)?;
         let codes = match options.bits {
             DistanceBits::U16 => Codes::U16(codes),
@@ -85,8 +109,12 @@ impl Gpu {
             quantum: steps.quantum,
             codes,
         };
-        DistanceMap::from_parts(parts).map_err(|error| refused(error.to_string()))
+        DistanceMap::from_parts(parts).map_err(refused)
     }
+}
+
+fn refused(error: DistanceMapError) -> GpuError {
+    GpuError::Distances { reason: error.to_string() }
 }
 
 /// Buffers of a build.
@@ -97,6 +125,8 @@ struct Build<'a> {
     /// Slabs of a batch.
     batch: u32,
     samples: Paged,
+    /// Whether heights under columns are found on the device.
+    finds_columns: bool,
     /// Bindings 1 to 5 of group 0.
     buffers: [wgpu::Buffer; 5],
 }
@@ -121,14 +151,23 @@ impl<'a> Build<'a> {
         let tables: Vec<u64> = slabs.chain(steps.least.iter().copied()).collect();
         let storage = BufferUsages::STORAGE;
         let codes = 4 * nx.div_ceil(2) * ny * nz;
+        // One invocation reads all samples of a column.
+        let cells = [heights.x().cells(), heights.y().cells()];
+        let finds_columns = (0..2).all(|k| cells[k] / size[k] < LARGEST_COLUMN);
+        let columns = if finds_columns {
+            gpu.allocate("columns", slab, storage)?
+        } else {
+            let columns = distances::columns(heights, [size[0], size[1]]);
+            gpu.upload("columns", bytemuck::cast_slice(&columns))?
+        };
         let buffers = [
             gpu.upload("distance tables", bytemuck::cast_slice(&tables))?,
-            gpu.allocate("columns", slab, storage)?,
+            columns,
             gpu.allocate("steps", slab * batch, storage)?,
             gpu.allocate("steps", slab * batch, storage)?,
             gpu.allocate("distance codes", codes, storage | BufferUsages::COPY_SRC)?,
         ];
-        Ok(Self { gpu, heights, size, batch: batch as u32, samples, buffers })
+        Ok(Self { gpu, heights, size, batch: batch as u32, samples, finds_columns, buffers })
     }
 
     /// All codes, x fastest.
@@ -136,27 +175,51 @@ impl<'a> Build<'a> {
         let [nx, ny, nz] = self.size;
         for first in (0..nz).step_by(self.batch as usize) {
             let slabs = self.batch.min(nz - first);
-            let task = self.task(steps, first);
+            let task = self.task(steps, [first, 0]);
             let task = self.gpu.upload("task", bytemuck::cast_slice(&task))?;
             let mut commands = self.gpu.device.create_command_encoder(&Default::default());
             let mut pass = commands.begin_compute_pass(&Default::default());
-            if first == 0 {
+            if first == 0 && self.finds_columns {
                 let groups = [nx.div_ceil(8), ny.div_ceil(8), 1];
                 self.encode(&mut pass, (BoxKernel::Columns, &task), groups);
             }
             let groups = [nx.div_ceil(64), ny, slabs];
             self.encode(&mut pass, (BoxKernel::Rises, &task), groups);
-            self.encode(&mut pass, (BoxKernel::Rows, &task), groups);
-            let groups = [nx.div_ceil(128), ny, slabs];
-            self.encode(&mut pass, (BoxKernel::Codes, &task), groups);
             drop(pass);
             self.gpu.queue.submit([commands.finish()]);
-            self.gpu.wait()?;
+            for kernel in [BoxKernel::Rows, BoxKernel::Codes] {
+                self.search(kernel, steps, [first, slabs])?;
+            }
         }
         let bytes = self.gpu.copy_out(&self.buffers[4])?;
         let row = 4 * nx.div_ceil(2) as usize;
         let rows = bytes.chunks_exact(row).take(ny as usize * nz as usize);
         Ok(rows.flat_map(|row| bytemuck::pod_collect_to_vec(&row[..2 * nx as usize])).collect())
+    }
+
+    /// Runs a kernel that searches along the map, over some slabs: so many rows at a time as take a dispatch's time.
+    fn search(
+        &self,
+        kernel: BoxKernel,
+        steps: &BoxSteps,
+        [first, slabs]: [u32; 2],
+    ) -> Result<(), GpuError> {
+        let [nx, ny, _] = self.size;
+        let across = if kernel == BoxKernel::Codes { nx.div_ceil(2) } else { nx };
+        let mut pace = Pace::new((FIRST_VOXELS / (nx * slabs)).max(1), ny);
+        let mut row = 0;
+        while row < ny {
+            let rows = pace.next(ny - row);
+            let task = self.task(steps, [first, row]);
+            let task = self.gpu.upload("task", bytemuck::cast_slice(&task))?;
+            let mut commands = self.gpu.device.create_command_encoder(&Default::default());
+            let mut pass = commands.begin_compute_pass(&Default::default());
+            self.encode(&mut pass, (kernel, &task), [across.div_ceil(64), rows, slabs]);
+            drop(pass);
+            pace.run(self.gpu, commands)?;
+            row += rows;
+        }
+        Ok(())
     }
 
     fn encode(
@@ -196,7 +259,7 @@ impl<'a> Build<'a> {
     }
 
     /// The struct `Task` of `shaders/boxes.wgsl`, field by field.
-    fn task(&self, steps: &BoxSteps, first: u32) -> Vec<u32> {
+    fn task(&self, steps: &BoxSteps, [first, row]: [u32; 2]) -> Vec<u32> {
         let map = self.heights;
         let mut words = vec![map.width(), map.height(), map.x().cells(), map.y().cells()];
         let floats = matches!(map.samples(), Samples::F32(_));
@@ -209,6 +272,7 @@ impl<'a> Build<'a> {
         for whole in [x, y, height, per_unit] {
             words.extend([whole as u32, (whole >> 32) as u32]);
         }
+        words.extend([row, 0, 0, 0]);
         debug_assert_eq!(words.len(), BOX_TASK_WORDS);
         words
     }

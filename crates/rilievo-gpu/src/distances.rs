@@ -185,9 +185,10 @@ fn words(&Planned { map, heights, place, slice }: &Planned<'_>) -> Vec<u32> {
     let steps = map.size().map(|n| f64::from(n + 1 - map.kind().least_size()));
     let metric = map.metric();
     let metric = [metric.x, metric.y, metric.z];
-    let largest = metric.into_iter().fold(0.0, f64::max);
-    let metric = metric.map(|side| side / largest);
     let axes = [0, 1, 2];
+    // Lengths of rays are about 1 then, whatever the unit of heights, and their squares are floats.
+    let largest = axes.map(|a| extents[a] * metric[a]).into_iter().fold(0.0, f64::max);
+    let metric = metric.map(|side| side / largest);
     let density = axes.map(|a| if extents[a] > 0.0 { steps[a] / extents[a] } else { 0.0 });
     let sides = axes.map(|a| extents[a] * metric[a] / steps[a]);
     for number in density.into_iter().chain(sides).chain(metric).chain([map.quantum() / largest]) {
@@ -200,7 +201,7 @@ fn words(&Planned { map, heights, place, slice }: &Planned<'_>) -> Vec<u32> {
 }
 
 /// Lowest and highest height under each footprint, as `map/distance/columns.rs` has them.
-fn columns(heights: &HeightMap, [nx, ny]: [u32; 2]) -> Vec<u32> {
+pub(crate) fn columns(heights: &HeightMap, [nx, ny]: [u32; 2]) -> Vec<u32> {
     let cells = |i: u32, n: u32, cells: u32| {
         let [i, n, cells] = [i, n, cells].map(u64::from);
         (i * cells / n) as u32..((i + 1) * cells).div_ceil(n) as u32

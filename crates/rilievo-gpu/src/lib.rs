@@ -35,7 +35,7 @@
 //! **Distances.** Methods `distance` and `distance-corrected` step through a 3-D texture in `f32`, with wider margins than
 //! the CPU's `f64`, and end in the same leaf: the same hits, bit for bit (`shaders/distance.wgsl`). `distance-published` is the
 //! paper's, in floats (`shaders/published.wgsl`); `march` takes the CPU's fixed steps, in doubles (`shaders/approximate.wgsl`).
-//! [`Gpu::box_distances`] makes maps of kind boxes on the device, code for code the CPU's (`shaders/boxes.wgsl`).
+//! [`Gpu::distance_map`] makes maps of all kinds on the device, code for code the CPU's (`shaders/boxes.wgsl`, `shaders/nearest.wgsl`).
 //!
 //! **Displaced spheres** are cut to segments over the faces of the cube, and their cells solved, in doubles; blocks are swept in floats,
 //! whose slacks cover what a driver may fuse.

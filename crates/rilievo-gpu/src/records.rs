@@ -23,8 +23,10 @@ pub(crate) const NODE_WORDS: usize = 8;
 pub(crate) const TRIANGLE_WORDS: usize = 20;
 /// Words of a task of building a pyramid.
 pub(crate) const TASK_WORDS: usize = 24;
-/// Words of a task of building a distance map.
-pub(crate) const BOX_TASK_WORDS: usize = 20;
+/// Words of a task of building a distance map of kind boxes.
+pub(crate) const BOX_TASK_WORDS: usize = 24;
+/// Words of a task of building a distance map of another kind.
+pub(crate) const NEAREST_TASK_WORDS: usize = 32;
 
 /// The surface of a ray that leaves none, and of a hit that is none.
 pub(crate) const NOTHING: u32 = u32::MAX;

@@ -162,6 +162,12 @@ pub(crate) fn boxes([heights, _]: [Pages; 2]) -> String {
     BOXES.to_owned() + &words((HEIGHTS.0, 1), heights, false)
 }
 
+/// Making distance maps of the other kinds.
+pub(crate) fn nearest([heights, bounds]: [Pages; 2]) -> String {
+    let maps = [words(BOUNDS, bounds, false), words(HEIGHTS, heights, false)];
+    NEAREST.to_owned() + &maps.concat()
+}
+
 /// Bindings of words in a group, and `<name>_word` that reads one; `set_<name>_word` where they may be written.
 fn words((name, group): (&str, u32), pages: Pages, writable: bool) -> String {
     let access = if writable { "read_write" } else { "read" };
@@ -208,6 +214,13 @@ const BOXES: &str = concat!(
     include_str!("shaders/whole.wgsl"),
     include_str!("shaders/exact.wgsl"),
     include_str!("shaders/boxes.wgsl"),
+);
+
+const NEAREST: &str = concat!(
+    include_str!("shaders/float.wgsl"),
+    include_str!("shaders/double.wgsl"),
+    include_str!("shaders/samples.wgsl"),
+    include_str!("shaders/nearest.wgsl"),
 );
 
 const CLOSEST: &str = concat!(
@@ -324,6 +337,7 @@ mod tests {
             }
             assert_eq!(validated(&pyramid(pages)).entry_points.len(), 2);
             assert_eq!(validated(&boxes(pages)).entry_points.len(), 4);
+            assert_eq!(validated(&nearest(pages)).entry_points.len(), 1);
         }
     }
 
@@ -392,5 +406,7 @@ mod tests {
         assert_eq!(span(&tasks, "Task"), Some(4 * records::TASK_WORDS));
         let tasks = validated(&boxes([ONE, ONE]));
         assert_eq!(span(&tasks, "Task"), Some(4 * records::BOX_TASK_WORDS));
+        let tasks = validated(&nearest([ONE, ONE]));
+        assert_eq!(span(&tasks, "Task"), Some(4 * records::NEAREST_TASK_WORDS));
     }
 }

@@ -5,14 +5,18 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use rilievo::Ray;
-use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, RowMut};
-use rilievo::relief::{Method, Relief};
+use rilievo::glam::DVec3;
+use rilievo::map::{
+    DistanceKind, DistanceMap, DistanceOptions, HeightMap, Metric, RowMut, Samples,
+};
+use rilievo::relief::{Displacement, FaceOptions, Method, Relief, ReliefFace};
 use rilievo::surface::{Surface, World};
+use rilievo::{Hit, Ray};
 use rilievo_gpu::{Gpu, GpuWorld, MapEdit};
 use rilievo_render::Traced;
 use rilievo_tests::conformance::Plan;
 use rilievo_tests::kernel;
+use rilievo_tests::nudge::nudged;
 use rilievo_tests::random::Random;
 use rilievo_tests::rays::Family;
 use rilievo_tests::scenes::{self, Scene};
@@ -70,6 +74,45 @@ fn exact_walks_by_distance_hit_what_the_pyramid_hits_bit_for_bit() {
 }
 
 #[test]
+fn steps_do_not_depend_on_the_unit_of_heights() {
+    let Some(gpu) = gpu() else { return };
+    let scene = scenes::named("fbm 64");
+    let oracle = scene.oracle();
+    let rays: Vec<Ray> =
+        (0..200).map(|k| Family::ALL[0].ray(&oracle, &mut Random::new(&[14, k]))).collect();
+    let traced = |unit: f32| {
+        let like = kernel::face(&scene, Method::Distance);
+        let map = like.relief().heights();
+        let heights = map.samples();
+        let raw = |at: u32| match heights {
+            Samples::U16(codes) => f32::from(codes[at as usize]),
+            Samples::F32(all) => all[at as usize],
+        };
+        let samples = (0..map.width() * map.height()).map(|at| unit * raw(at)).collect();
+        let samples = Samples::F32(samples);
+        let (lattice, wrap) = (map.x().lattice(), map.x().wrap());
+        let map = HeightMap::new(map.width(), map.height(), samples, lattice, wrap).unwrap();
+        let scale = f64::from(0.3 / map.raw_range().1);
+        let metric = Metric::of_face(&map, [1.0, 1.0], scale);
+        let kind = DistanceKind::Boxes;
+        let options = DistanceOptions::by_default(&map, kind, metric);
+        let distances = DistanceMap::from_height(&map, kind, &options).unwrap();
+        let relief = Arc::new(Relief::new(map).with_distance(distances).unwrap());
+        let displacement = Displacement { scale, ..like.options().displacement };
+        let options = FaceOptions { displacement, ..like.options().clone() };
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        let face = ReliefFace::new(corners, relief, options).unwrap();
+        on_gpu(&gpu, &World::new(vec![face.into()]), &rays)
+    };
+    let [usual, tiny] = [1.0, 2.0f32.powi(-90)].map(|unit| {
+        let found = traced(unit);
+        (steps_a_ray(&found), found.iter().filter(|traced| traced.hit.is_some()).count())
+    });
+    assert!(usual.1 > 50 && usual.1 == tiny.1, "{usual:?} {tiny:?}");
+    assert!((usual.0 - tiny.0).abs() < 0.01 * usual.0, "{usual:?} {tiny:?}");
+}
+
+#[test]
 fn after_an_edit_distances_are_those_of_a_new_world() {
     let Some(gpu) = gpu() else { return };
     let scene = scenes::named("fbm 64");
@@ -93,7 +136,7 @@ fn after_an_edit_distances_are_those_of_a_new_world() {
         RowMut::F32(row) => row.iter_mut().for_each(|h| *h *= 0.5),
     };
     relief.edit(samples.clone(), halve).expect("inside");
-    let map = gpu.box_distances(relief.heights(), &options).expect("made");
+    let map = gpu.distance_map(relief.heights(), DistanceKind::Boxes, &options).expect("made");
     let relief = Arc::new(relief.with_distance(map).expect("it fits"));
     let after = World::new(vec![face.with_relief(Arc::clone(&relief)).expect("it fits").into()]);
     let edit = MapEdit { relief: &relief, samples };
@@ -110,6 +153,8 @@ struct Approximate {
     count: u64,
     /// Both answer alike, points up to a share of the distance.
     same: u64,
+    /// Of the others, those to which the CPU gives the GPU's answer if they are turned by a nudge.
+    nudged: u64,
     /// Missed on the CPU and on the GPU.
     missed: [u64; 2],
     steps: f64,
@@ -122,6 +167,7 @@ fn approximate(gpu: &Gpu, method: Method, tolerance: f64) -> Approximate {
         let exact = world(scene, Method::Pyramid);
         let own = world(scene, method);
         let rays = rays(&plan, scene, &exact, index);
+        let normal = scene.oracle().normal();
         let found = on_gpu(gpu, &own, &rays);
         tally.steps += steps_a_ray(&found) * rays.len() as f64;
         for (ray, found) in rays.iter().zip(&found) {
@@ -130,18 +176,28 @@ fn approximate(gpu: &Gpu, method: Method, tolerance: f64) -> Approximate {
             tally.missed[0] += u64::from(should && cpu.is_none());
             tally.missed[1] += u64::from(should && found.hit.is_none());
             let near = |a: f64, b: f64| (a - b).abs() <= tolerance * (1.0 + a.abs());
-            tally.same += u64::from(match (cpu, found.hit) {
+            let alike = |cpu: Option<Hit>| match (cpu, found.hit) {
                 (None, None) => true,
                 (Some(a), Some(b)) => near(a.t, b.t) && a.front == b.front,
                 _ => false,
-            });
+            };
+            let turned = |direction| own.closest(&Ray { direction, ..*ray }, &mut ());
+            let towards = found.hit.map(|hit| hit.position - ray.origin);
+            if alike(cpu) {
+                tally.same += 1;
+            } else if nudged(ray.direction, towards, normal).any(|to| alike(turned(to))) {
+                tally.nudged += 1;
+            } else {
+                let _ =
+                    writeln!(std::io::stderr(), "{}: {ray:?} {cpu:?} {:?}", scene.name, found.hit);
+            }
             tally.count += 1;
         }
     }
-    let Approximate { count, same, missed: [cpu, gpu], steps } = tally;
+    let Approximate { count, same, nudged, missed: [cpu, gpu], steps } = tally;
     let _ = writeln!(
         std::io::stderr(),
-        "{method}, {count} rays: {cpu} missed on the CPU, {gpu} on the GPU, {same} alike, {:.1} steps a ray",
+        "{method}, {count} rays: {cpu} missed on the CPU, {gpu} on the GPU, {same} alike, {nudged} by a nudge, {:.1} steps a ray",
         steps / count as f64,
     );
     tally
@@ -156,12 +212,14 @@ fn the_published_method_misses_as_often_as_on_the_cpu() {
     assert!(cpu.abs_diff(gpu) * 20 <= cpu.max(40), "{cpu} and {gpu} missed");
 }
 
-/// Where a ray ends is a float on both, whose last place may differ, and with it the length of all steps.
+/// A ray that comes in through the border at the very height of the surface there begins above or below it as the last bits of its
+/// first point say: one family of rays is aimed at such points.
 #[test]
 fn fixed_steps_meet_what_they_meet_on_the_cpu() {
     let Some(gpu) = gpu() else { return };
-    let Approximate { count, same, missed: [cpu, gpu], .. } =
+    let Approximate { count, same, nudged, missed: [cpu, gpu], .. } =
         approximate(&gpu, Method::March, 1e-6);
-    assert!(same * 100 >= count * 97, "{same} of {count} alike");
+    assert!(same * 100 >= count * 98, "{same} of {count} alike");
+    assert!(same + nudged == count, "{} answers are no neighbour's", count - same - nudged);
     assert!(cpu.abs_diff(gpu) * 1000 <= count, "{cpu} and {gpu} missed");
 }

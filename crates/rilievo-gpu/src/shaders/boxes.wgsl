@@ -23,6 +23,8 @@ struct Task {
     // Scene units of one raw unit of height, and steps of one squared scene unit, as `f64`.
     height: Whole,
     per_unit: Whole,
+    // The first row of voxels of this dispatch.
+    row: u32,
 }
 
 @group(0) @binding(0) var<storage, read> task: Task;
@@ -101,7 +103,7 @@ fn find_rows(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= task.size.x {
         return;
     }
-    let here = step_place(id.x, id.y, id.z);
+    let here = step_place(id.x, task.row + id.y, id.z);
     var best = rises[here];
     // Of a voxel and its neighbours nothing is between.
     var cost = Whole(0u);
@@ -162,9 +164,10 @@ fn find_codes(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let x = 2u * id.x;
-    var word = code_of(least_steps(x, id.y, id.z));
+    let y = task.row + id.y;
+    var word = code_of(least_steps(x, y, id.z));
     if x + 1u < task.size.x {
-        word |= code_of(least_steps(x + 1u, id.y, id.z)) << 16u;
+        word |= code_of(least_steps(x + 1u, y, id.z)) << 16u;
     }
-    codes[((task.first + id.z) * task.size.y + id.y) * words + id.x] = word;
+    codes[((task.first + id.z) * task.size.y + y) * words + id.x] = word;
 }

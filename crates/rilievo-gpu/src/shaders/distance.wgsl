@@ -28,7 +28,7 @@ struct DistanceMap {
     size: vec3<u32>,
     // Voxels, or steps between nodes, per cell and per raw height.
     density: vec3<f32>,
-    // Sides of a voxel, and the reference metric; in units of the metric's largest side.
+    // Sides of a voxel, and the reference metric; in units of the map's largest side.
     sides: vec3<f32>,
     metric: vec3<f32>,
     quantum: f32,

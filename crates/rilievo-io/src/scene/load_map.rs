@@ -173,7 +173,7 @@ pub(super) fn add_distance(
         None => {
             let build = plan_distance(file, entry, relief.heights(), (kind, face), (1, limits))?;
             tell(options, name, (kind, build.value.size), relief.heights());
-            DistanceMap::from_height(relief.heights(), kind, &build.value)
+            (options.build_distances)(relief.heights(), kind, &build.value)
                 .map_err(|e| fault(file, &build.at, "distance", e.to_string(), ""))?
         }
     };

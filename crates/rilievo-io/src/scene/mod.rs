@@ -44,7 +44,7 @@ mod texture_memory;
 pub use cache::{Cache, KeptMap, Stamp};
 pub use file::SceneFile;
 pub use keys::reference;
-pub use options::{DistanceBuild, LoadOptions};
+pub use options::{BuildDistances, DistanceBuild, LoadOptions};
 pub use relief_sphere::LoadedSphereMap;
 pub use resolve::{LoadedMap, LoadedScene};
 

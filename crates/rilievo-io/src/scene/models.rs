@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use rilievo::glam::{DAffine3, DVec3};
-use rilievo::map::{DistanceMap, DistanceOptions, Metric};
+use rilievo::map::{DistanceOptions, Metric};
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Displacement, MeshOptions, MeshPart, Relief, ReliefMesh, ReliefMeshError};
 use rilievo::surface::Surface;
@@ -13,6 +13,7 @@ use rilievo_render::Material;
 use rilievo_render::light::{Light, PointLight, SunLight};
 
 use super::file::MeshEntry;
+use super::options::BuildDistances;
 use super::relief_mesh::sides;
 use super::resolve::Loader;
 use super::syntax::Located;
@@ -25,6 +26,7 @@ fn with_distance(
     relief: Arc<Relief>,
     mesh: &Mesh,
     options: &MeshOptions,
+    build: &BuildDistances<'_>,
 ) -> std::result::Result<Arc<Relief>, String> {
     let Some(kind) = options.method.distance_kind().filter(|&k| relief.distance(k).is_none())
     else {
@@ -33,7 +35,7 @@ fn with_distance(
     let (heights, displacement) = (relief.heights(), &options.displacement);
     let metric = Metric::of_face(heights, sides(mesh, displacement), displacement.scale.abs());
     let distances = DistanceOptions::by_default(heights, kind, metric);
-    let map = DistanceMap::from_height(heights, kind, &distances).map_err(|e| e.to_string())?;
+    let map = build(heights, kind, &distances).map_err(|e| e.to_string())?;
     let relief = Arc::unwrap_or_clone(relief).with_distance(map).map_err(|e| e.to_string())?;
     Ok(Arc::new(relief))
 }
@@ -127,12 +129,13 @@ impl Loader<'_> {
             };
             let scene = self.file;
             let refuse = |found| scene.invalid(&file.at, "displacement", found, String::new());
-            let mut relief = with_distance(relief, &mesh, &options).map_err(refuse)?;
+            let build = self.options.build_distances;
+            let mut relief = with_distance(relief, &mesh, &options, build).map_err(refuse)?;
             if entry.matched {
                 let alone = ReliefMesh::new(&mesh, relief, options.clone());
                 let alone = alone.map_err(|e| self.not_laid(file, material, &e))?;
                 let matched = self.matched(entry, &mesh, alone, |relief| {
-                    let relief = with_distance(Arc::new(relief), &mesh, &options);
+                    let relief = with_distance(Arc::new(relief), &mesh, &options, build);
                     relief.map(Arc::unwrap_or_clone).map_err(refuse)
                 })?;
                 relief = Arc::clone(matched.relief());

@@ -1,7 +1,9 @@
 //! How a scene is loaded, and what its loading tells on the way.
 
 use rilievo::SimdLevel;
-use rilievo::map::{DistanceKind, Layout};
+use rilievo::map::{
+    DistanceKind, DistanceMap, DistanceMapError, DistanceOptions, HeightMap, Layout,
+};
 use rilievo::relief::Method;
 use rilievo_render::Integrator;
 
@@ -30,11 +32,17 @@ pub struct LoadOptions<'a> {
     pub cache: Option<&'a Cache>,
     /// Told of every distance map before it is built: that may take a while.
     pub building: &'a dyn Fn(&DistanceBuild<'_>),
+    /// Builds the distance maps of faces and meshes: what [`DistanceMap::from_height`] builds, however it does so.
+    pub build_distances: &'a BuildDistances<'a>,
 }
+
+/// The distance map of some heights.
+pub type BuildDistances<'a> = dyn Fn(&HeightMap, DistanceKind, &DistanceOptions) -> Result<DistanceMap, DistanceMapError>
+    + 'a;
 
 impl Default for LoadOptions<'_> {
     /// The scene's own methods and layouts, default limits, the fastest
-    /// instructions, nobody told.
+    /// instructions, nobody told, distance maps built by the CPU.
     fn default() -> Self {
         Self {
             limits: Limits::default(),
@@ -46,6 +54,7 @@ impl Default for LoadOptions<'_> {
             resampling_error: false,
             cache: None,
             building: &|_| {},
+            build_distances: &DistanceMap::from_height,
         }
     }
 }

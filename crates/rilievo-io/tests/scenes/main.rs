@@ -1,12 +1,13 @@
 //! Scene files: known values, and every bad scene gives the error on its first line.
 
+use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use proptest::prelude::*;
 use rilievo::glam::{DVec2, DVec3};
-use rilievo::map::{DistanceKind, Lattice, Samples, Wrap};
+use rilievo::map::{DistanceKind, DistanceMap, DistanceOptions, HeightMap, Lattice, Samples, Wrap};
 use rilievo::relief::{Method, ShadingNormals};
 use rilievo::surface::Surface;
 use rilievo_io::image::read_colour;
@@ -281,9 +282,16 @@ fn a_method_of_the_caller_wins_and_brings_its_distance_map() {
         (Method::DistanceCorrected, DistanceKind::Corrected),
         (Method::DistancePublished, DistanceKind::Published),
     ] {
-        let options = LoadOptions { method: Some(method), ..LoadOptions::default() };
+        let built = Cell::new(0);
+        let build = |heights: &HeightMap, kind, options: &DistanceOptions| {
+            built.set(built.get() + 1);
+            DistanceMap::from_height(heights, kind, options)
+        };
+        let options =
+            LoadOptions { method: Some(method), build_distances: &build, ..LoadOptions::default() };
         let loaded = file.load(&options).unwrap();
         assert!(loaded.maps.iter().all(|m| m.relief.distance(kind).is_some()));
+        assert_eq!(built.get(), loaded.maps.len(), "the caller builds them");
         let Surface::Face(face) = &loaded.scene.world().surfaces()[0] else { panic!() };
         assert_eq!(face.options().method, method);
     }

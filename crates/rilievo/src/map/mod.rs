@@ -15,7 +15,7 @@ pub(crate) use cube::direction as cube_direction;
 pub use cube::{CubeFace, CubeHeights, CubeHeightsError, CubeMipLevel, ResamplingError, Tiling};
 pub use distance::{
     BoxSteps, Codes, DistanceBits, DistanceKind, DistanceMap, DistanceMapError, DistanceOptions,
-    DistanceParts, DistanceViolation, UnsafeCodes, exact_distance,
+    DistanceParts, DistanceViolation, NodeSearch, UnsafeCodes, exact_distance,
 };
 pub use height::{HeightMap, HeightMapError, RowMut, Samples};
 pub use lattice::{Axis, Lattice, Run, Wrap};

@@ -36,6 +36,7 @@ mod erosion;
 mod exact;
 #[cfg(test)]
 mod fixtures;
+mod node_search;
 mod parts;
 mod published;
 mod transform;
@@ -44,6 +45,7 @@ mod verify;
 pub use box_steps::BoxSteps;
 pub use codes::{Codes, DistanceBits};
 pub use exact::exact_distance;
+pub use node_search::NodeSearch;
 pub use parts::{DistanceKind, DistanceMapError, DistanceOptions, DistanceParts};
 pub use verify::{DistanceViolation, UnsafeCodes};
 

@@ -41,7 +41,7 @@ pub(super) fn codes<C: Code>(
 }
 
 /// The corners of the stored cells, as raw heights, x fastest.
-struct Texels<'a> {
+pub(super) struct Texels<'a> {
     domain: &'a Domain,
     raw: Vec<f32>,
     width: usize,
@@ -49,7 +49,7 @@ struct Texels<'a> {
 }
 
 impl<'a> Texels<'a> {
-    fn new(heights: &HeightMap, domain: &'a Domain) -> Self {
+    pub fn new(heights: &HeightMap, domain: &'a Domain) -> Self {
         let sample = |axis: &crate::map::Axis, i: u32| {
             if i < axis.cells() { axis.corners(i).0 } else { axis.corners(i - 1).1 }
         };
@@ -72,7 +72,7 @@ impl<'a> Texels<'a> {
     }
 
     /// The paper's distance of `p`, scene units.
-    fn distance(&self, p: [f64; 3]) -> f64 {
+    pub fn distance(&self, p: [f64; 3]) -> f64 {
         let metric = self.domain.metric;
         let initial = (p[2] - self.height(p[0], p[1])).abs() * metric.z;
         let (i0, i1) = within(p[0], initial / metric.x, self.width);
