@@ -7,8 +7,8 @@ use rilievo_render::{CameraRay, Scene, Seen, ShadowRay, Traced, Tracer};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
-use crate::shading::GpuScene;
-use crate::world::GpuWorld;
+use crate::shading::{GpuLight, GpuScene, WAVE};
+use crate::world::{GpuSurfaces, GpuWorld};
 
 /// Whether a GPU traces a scene as far as its settings go: levels of detail are the CPU's.
 ///
@@ -133,6 +133,14 @@ impl<'a, N: Fn(&GpuError)> GpuTracer<'a, N> {
         Self { held, deputy: Deputy { allowed, note, acts: false.into() } }
     }
 
+    /// The surfaces on the GPU, and what the integrators have there, if they run there.
+    pub fn into_parts(self) -> (GpuSurfaces, Option<GpuLight>) {
+        match self.held {
+            Held::World(world) => (world.into_surfaces(), None),
+            Held::Scene(scene) => scene.into_parts(),
+        }
+    }
+
     /// The surfaces on the GPU.
     pub fn into_world(self) -> GpuWorld<'a> {
         match self.held {
@@ -158,6 +166,13 @@ impl<N: Fn(&GpuError) + Sync> Tracer for GpuTracer<'_, N> {
             Held::World(_) => Ok(None),
             // Without the GPU waves go on, traced by the CPU.
             Held::Scene(scene) => self.deputy.either(|| scene.seen(rays, samples), || Ok(None)),
+        }
+    }
+
+    fn at_once(&self) -> Option<usize> {
+        match &self.held {
+            Held::World(world) => world.is_watched().then_some(WAVE),
+            Held::Scene(scene) => Tracer::at_once(scene.as_ref()),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::distance_build::BoxKernel;
 use crate::error::GpuError;
 use crate::pages::Pages;
 use crate::shaders::{self, Light, Walks};
+use crate::traffic::Traffic;
 
 /// How long a dispatch may take before the device counts as lost; dispatches are cut to take a small part
 /// of it.
@@ -27,6 +28,7 @@ pub struct Gpu {
     software: bool,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) traffic: Traffic,
     /// What was compiled so far.
     pipelines: Mutex<HashMap<(Kernel, [Pages; 2]), wgpu::ComputePipeline>>,
     /// Bytes that a shader binds at once.
@@ -112,7 +114,9 @@ impl Gpu {
         let limits = device.limits();
         let largest_binding = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         let pipelines = Mutex::default();
-        let gpu = Self { name, software, device, queue, pipelines, largest_binding, fault };
+        let traffic = Traffic::default();
+        let gpu =
+            Self { name, software, device, queue, traffic, pipelines, largest_binding, fault };
         gpu.check()?;
         Ok(gpu)
     }

@@ -61,6 +61,7 @@ impl Planned<'_> {
             }
         };
         let [x, y, _] = self.map.size();
+        gpu.traffic.add_maps(2 * codes.len());
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,

@@ -77,6 +77,7 @@ mod shaders;
 mod shading;
 mod shells;
 mod surfaces;
+mod traffic;
 mod upload;
 mod world;
 
@@ -84,7 +85,8 @@ pub use backend::{Backend, GpuTracer, UnknownBackend, check};
 pub use device::Gpu;
 pub use error::GpuError;
 pub use measure::GpuRays;
-pub use shading::GpuScene;
+pub use shading::{GpuLight, GpuScene, GpuShaders};
+pub use traffic::GpuBytes;
 pub use world::{GpuKernels, GpuMaps, GpuSurfaces, GpuWorld, MapEdit};
 // Its types stand in what `Gpu` gives away.
 pub use wgpu;

@@ -83,6 +83,7 @@ impl Paged {
 
     /// Writes bytes from a word on; a last word that is not whole is filled up with zeros.
     pub fn write(&self, gpu: &Gpu, first: u64, bytes: &[u8]) {
+        gpu.traffic.add_maps(bytes.len());
         let page_bytes = 4u64 << self.pages.shift;
         let mut at = first * 4;
         let mut left = bytes;

@@ -13,7 +13,7 @@
 //! What the shaders of light do not know ([`GpuScene::why_not`]) is shaded by the CPU, ray by ray in waves.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use rilievo::Ray;
@@ -28,13 +28,20 @@ use wgpu::BufferUsages;
 use crate::device::{Gpu, Kernel};
 use crate::error::GpuError;
 use crate::forms;
-use crate::records::{self, HIT_WORDS, RAY_WORDS};
+use crate::records::{self, RAY_WORDS};
 use crate::shaders::Light;
 use crate::upload;
-use crate::world::GpuWorld;
+use crate::world::{GpuWorld, MOST_SLOTS};
 
-/// Camera rays on their way at once.
-const MOST_SLOTS: usize = 1 << 18;
+mod kept;
+mod room;
+
+use room::{Room, bind, encode};
+
+pub use kept::{GpuLight, GpuShaders};
+
+/// Camera rays that the CPU shades at a time where somebody may stop it.
+pub(crate) const WAVE: usize = 1 << 14;
 
 /// Words of a slot.
 pub(crate) const SLOT_WORDS: usize = 12;
@@ -61,21 +68,12 @@ pub struct GpuScene<'a> {
 /// What the integrators need on the device.
 struct OnDevice {
     kernel: Light,
+    /// What lies in `words`.
+    said: SceneWords,
     words: wgpu::Buffer,
     step: wgpu::Buffer,
     /// Room for slots, kept from one call to the next.
     room: Mutex<Option<Room>>,
-}
-
-/// Buffers of slots.
-struct Room {
-    slots: usize,
-    rays: wgpu::Buffer,
-    hits: wgpu::Buffer,
-    of_slots: wgpu::Buffer,
-    trees: wgpu::Buffer,
-    read: wgpu::Buffer,
-    count: wgpu::Buffer,
 }
 
 impl<'a> GpuScene<'a> {
@@ -93,7 +91,7 @@ impl<'a> GpuScene<'a> {
     /// As the device says.
     pub fn with_world(world: GpuWorld<'a>, scene: &'a Scene) -> Result<Self, GpuError> {
         let light = match OnDevice::words(&world, scene) {
-            Ok(words) => OnDevice::new(&world, scene, &words)?,
+            Ok(words) => OnDevice::new(&world, scene, words, None)?,
             Err(uncovered) => Err(uncovered),
         };
         Ok(Self { scene, world, light })
@@ -123,7 +121,11 @@ impl<'a> GpuScene<'a> {
         let mut seen = Seen::default();
         let most = light.most_slots(self.world.gpu());
         let mut room = light.room.lock().unwrap_or_else(PoisonError::into_inner);
-        for rays in rays.chunks(most) {
+        let mut left = rays;
+        while !left.is_empty() && !self.world.is_stopped() {
+            let now = most.min(self.world.paces().slots.get() as usize).min(left.len());
+            let (rays, rest) = left.split_at(now);
+            left = rest;
             let enough = room.as_ref().is_some_and(|room| room.slots >= rays.len());
             if !enough {
                 // The old buffers first, so that both need not fit.
@@ -155,29 +157,25 @@ impl<'a> GpuScene<'a> {
         let advance = gpu.pipeline(Kernel::Advance(light.kernel), self.world.maps().pages());
         let traced = self.world.groups(&closest, &room.rays, &room.hits);
         let shaded = self.groups(light, room, &advance);
-        let mut asked = count;
-        loop {
+        let (mut asked, mut longest) = (count, Duration::ZERO);
+        while !self.world.is_stopped() {
             let begin = Instant::now();
             let mut commands = gpu.device.create_command_encoder(&Default::default());
             let whole = self.world.trace_slots(&closest, &traced, asked, &mut commands)?;
-            let mut pass = commands.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&advance);
-            for (index, group) in (0..).zip(&shaded) {
-                pass.set_bind_group(index, group, &[]);
-            }
-            pass.dispatch_workgroups(count.div_ceil(64), 1, 1);
-            drop(pass);
+            encode(&advance, &shaded, count, &mut commands);
             commands.copy_buffer_to_buffer(&room.trees, 0, &room.count, 0, 16);
             gpu.queue.submit([commands.finish()]);
             let done: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read(&room.count, 16)?);
             if whole {
                 self.world.took(asked, begin.elapsed());
             }
+            longest = longest.max(begin.elapsed());
             if done.first() == Some(&count) {
                 break;
             }
             asked = if both { 2 * count } else { count };
         }
+        self.world.paces().slots.took(count, longest, self.world.patience());
         self.end(room, rays.len(), seen)
     }
 
@@ -241,21 +239,20 @@ impl<'a> GpuScene<'a> {
         let faces = self.world.faces();
         let buffers =
             [&light.step, &room.rays, &room.hits, faces, &light.words, &room.of_slots, &room.trees];
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
         let gpu = self.world.gpu();
-        let own = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("advance"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
+        let own = bind(gpu, pipeline, 0, &buffers);
         vec![own, self.world.maps().heights_group(gpu, pipeline)]
     }
+}
+
+/// Points of a tree of rays that wait at once.
+fn points_of(scene: &Scene) -> Result<u32, Uncovered> {
+    let settings = scene.settings();
+    let splits = settings.integrator == Integrator::Distributed && settings.diffuse_samples > 0;
+    if splits && settings.max_depth + FEWEST_POINTS > MOST_POINTS {
+        return Err(Uncovered("a tree of so many bounces"));
+    }
+    Ok(if splits { settings.max_depth + FEWEST_POINTS } else { FEWEST_POINTS })
 }
 
 impl OnDevice {
@@ -263,40 +260,42 @@ impl OnDevice {
     fn words(world: &GpuWorld<'_>, scene: &Scene) -> Result<SceneWords, Uncovered> {
         let mut words = SceneWords::new(scene, world.anchor())?;
         forms::append(&mut words, (scene.world(), world.anchor()), world.kinds())?;
-        let settings = scene.settings();
-        let splits = settings.integrator == Integrator::Distributed && settings.diffuse_samples > 0;
-        if splits && settings.max_depth + FEWEST_POINTS > MOST_POINTS {
-            return Err(Uncovered("a tree of so many bounces"));
-        }
         Ok(words)
     }
 
     fn new(
         world: &GpuWorld<'_>,
         scene: &Scene,
-        words: &SceneWords,
+        said: SceneWords,
+        before: Option<Self>,
     ) -> Result<Result<Self, Uncovered>, GpuError> {
         let gpu = world.gpu();
-        let bytes: &[u8] = bytemuck::cast_slice(&words.words);
+        let bytes: &[u8] = bytemuck::cast_slice(&said.words);
         if bytes.len() as u64 > gpu.largest_binding() {
             return Ok(Err(Uncovered("images and meshes past what the device binds at once")));
         }
-        let settings = scene.settings();
-        let splits = !words.parts.path && settings.diffuse_samples > 0;
-        let points = if splits { settings.max_depth + FEWEST_POINTS } else { FEWEST_POINTS };
+        let points = match points_of(scene) {
+            Ok(points) => points,
+            Err(uncovered) => return Ok(Err(uncovered)),
+        };
         let has = |kind: u32| world.kinds().iter().any(|known| known[0] == kind);
         let kernel = Light {
-            parts: words.parts,
+            parts: said.parts,
             points,
             faces: has(upload::FACE),
             relief_spheres: has(upload::RELIEF_SPHERE),
             relief_meshes: has(upload::RELIEF_MESH),
             instances: scene.world().surfaces().iter().any(|s| matches!(s, Surface::Instance(_))),
         };
+        if let Some(before) = before {
+            return Ok(Ok(before.followed(gpu, kernel, said)?));
+        }
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        gpu.traffic.add_scene(bytes.len());
         Ok(Ok(Self {
             kernel,
             words: gpu.upload("materials and lights", bytes)?,
+            said,
             step: gpu.allocate("parameters", 16, uniform)?,
             room: Mutex::new(None),
         }))
@@ -306,7 +305,7 @@ impl OnDevice {
     fn most_slots(&self, gpu: &Gpu) -> usize {
         let words = self.kernel.state_words().max(2 * RAY_WORDS) as u64;
         let fits = (gpu.largest_binding() / 4).saturating_sub(64) / words;
-        usize::try_from(fits).unwrap_or(MOST_SLOTS).clamp(64, MOST_SLOTS)
+        fits.clamp(64, MOST_SLOTS.into()) as usize
     }
 }
 
@@ -314,26 +313,6 @@ impl Light {
     /// Words of a path or a tree.
     fn state_words(self) -> usize {
         if self.parts.path { WALK_WORDS } else { TREE_WORDS + self.points as usize * POINT_WORDS }
-    }
-}
-
-impl Room {
-    fn new(gpu: &Gpu, slots: usize, kernel: Light) -> Result<Self, GpuError> {
-        let rays = if kernel.parts.path { 2 * slots } else { slots };
-        let bytes = |count: usize, words: usize| 4 * (count * words) as u64;
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-        let source = storage | BufferUsages::COPY_SRC;
-        let read = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let state = bytes(slots, kernel.state_words()) + 4 * COUNT_WORDS as u64;
-        Ok(Self {
-            slots,
-            rays: gpu.allocate("rays", bytes(rays, RAY_WORDS), storage)?,
-            hits: gpu.allocate("hits", bytes(rays, HIT_WORDS), storage)?,
-            of_slots: gpu.allocate("slots", bytes(slots, SLOT_WORDS), source)?,
-            trees: gpu.allocate("paths", state, source)?,
-            read: gpu.allocate("slots", bytes(slots, SLOT_WORDS), read)?,
-            count: gpu.allocate("parameters", 16, read)?,
-        })
     }
 }
 
@@ -349,5 +328,13 @@ impl Tracer for GpuScene<'_> {
 
     fn seen(&self, rays: &[CameraRay], samples: u64) -> Result<Option<Seen>, String> {
         GpuScene::seen(self, rays, samples).map_err(|error| error.to_string())
+    }
+
+    fn at_once(&self) -> Option<usize> {
+        let most = match self.light {
+            Ok(_) => self.world.paces().slots.get() as usize,
+            Err(_) => WAVE,
+        };
+        self.world.is_watched().then_some(most)
     }
 }

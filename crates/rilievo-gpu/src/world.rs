@@ -3,9 +3,11 @@
 mod answers;
 mod edits;
 mod kept;
+mod pace;
 mod tracing;
 
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use rilievo::glam::DVec3;
 use rilievo::surface::World;
@@ -15,10 +17,11 @@ use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::maps::Maps;
 use crate::upload::Upload;
-use tracing::FIRST_DISPATCH;
+use pace::Paces;
 
 pub use edits::{GpuMaps, MapEdit};
 pub use kept::{GpuKernels, GpuSurfaces};
+pub(crate) use pace::MOST_SLOTS;
 pub(crate) use tracing::{Answer, BATCH};
 
 /// Surfaces on a GPU.
@@ -33,8 +36,9 @@ pub struct GpuWorld<'a> {
     kinds: Vec<[u32; 2]>,
     buffers: [wgpu::Buffer; 4],
     params: wgpu::Buffer,
-    /// Rays of the next dispatch; follows the time that dispatches take.
-    dispatch: AtomicU32,
+    paces: Paces,
+    /// Set to stop: then answers mean nothing.
+    cancel: Option<&'a AtomicBool>,
 }
 
 impl<'a> GpuWorld<'a> {
@@ -65,8 +69,35 @@ impl<'a> GpuWorld<'a> {
             kinds: words.kinds(),
             buffers: records(gpu, words)?,
             params: gpu.allocate("parameters", 16, params)?,
-            dispatch: AtomicU32::new(FIRST_DISPATCH),
+            paces: Paces::default(),
+            cancel: None,
         })
+    }
+
+    /// Looks at `cancel` before every dispatch, and makes those shorter. Once it is set, answers come at once and mean
+    /// nothing.
+    #[must_use]
+    pub fn stopped_by(self, cancel: &'a AtomicBool) -> Self {
+        Self { cancel: Some(cancel), ..self }
+    }
+
+    /// Whether somebody may stop it.
+    pub(crate) fn is_watched(&self) -> bool {
+        self.cancel.is_some()
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
+
+    /// How much work goes into a dispatch and into a round of shading.
+    pub(crate) fn paces(&self) -> &Paces {
+        &self.paces
+    }
+
+    /// How long a dispatch is to take.
+    pub(crate) fn patience(&self) -> Duration {
+        if self.is_watched() { pace::WATCHED } else { pace::ALONE }
     }
 
     /// The surfaces themselves.
@@ -105,6 +136,9 @@ fn anchor_of(world: &World) -> DVec3 {
 /// Buffers of all that is not a map.
 fn records(gpu: &Gpu, words: &Upload<'_>) -> Result<[wgpu::Buffer; 4], GpuError> {
     let upload = |what, words: &Vec<u32>| gpu.upload(what, bytemuck::cast_slice(words.as_slice()));
+    for words in [&words.faces, &words.surfaces, &words.nodes, &words.numbers] {
+        gpu.traffic.add_scene(4 * words.len());
+    }
     Ok([
         upload("displaced faces", &words.faces)?,
         upload("surfaces", &words.surfaces)?,

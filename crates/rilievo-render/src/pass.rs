@@ -125,16 +125,19 @@ impl Passes<'_> {
         shared: &Shared,
     ) -> Result<(), RenderError> {
         let rays = u64::from(TILE * TILE) * u64::from(end);
-        let tiles = (RAYS as u64 / rays).clamp(1, u64::from(u32::MAX)) as u32;
-        for first in (0..self.tiles.len()).step_by(tiles as usize) {
+        let mut first = 0;
+        while first < self.tiles.len() {
             if self.cancelled() {
                 return Ok(());
             }
+            let most = tracer.at_once().map_or(RAYS, |most| most.min(RAYS)) as u64;
+            let tiles = (most / rays).clamp(1, u64::from(u32::MAX)) as u32;
             let some = first..self.tiles.len().min(first.saturating_add(tiles));
             let parts: Vec<Part> = some
                 .filter_map(|index| self.part(index, end, shared).transpose())
                 .collect::<Result<_, _>>()?;
             self.take_traced(parts, tracer, shared)?;
+            first = first.saturating_add(tiles);
         }
         Ok(())
     }

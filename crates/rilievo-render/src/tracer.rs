@@ -40,6 +40,11 @@ pub trait Tracer: Sync {
     fn seen(&self, _rays: &[CameraRay], _samples: u64) -> Result<Option<Seen>, String> {
         Ok(None)
     }
+
+    /// Camera rays to be asked for at a time, if fewer than many: between two looks at whether to stop.
+    fn at_once(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// A camera ray that is traced elsewhere.

@@ -2,7 +2,7 @@
 //!
 //! A GPU holds the surfaces of each side from one picture to the next. Another camera brings nothing over;
 //! another depth, zero or tile of the same maps brings numbers ([`Brought::Numbers`]); a stroke of the brush the samples of its
-//! rectangles, above which pyramids are made anew there. Maps are the same if they are the same in memory: the
+//! rectangles, above which pyramids are made anew there; another material or light the words that differ. Maps are the same if they are the same in memory: the
 //! renderer shares them with the scenes, but while they are painted, when it knows them by their names
 //! ([`Renderer::let_go`], [`Renderer::take_back`]).
 //!
@@ -13,17 +13,19 @@
 //! trace is the CPU's until it is loaded anew.
 
 mod held;
+mod light;
 mod resident;
 
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rilievo_gpu::{Backend, Gpu, GpuError, GpuKernels, GpuTracer, GpuWorld};
+use rilievo_gpu::{Backend, Gpu, GpuError, GpuKernels, GpuWorld};
 use rilievo_render::{Film, RenderError, RenderOptions, Scene};
 
 use crate::passes::Pass;
 use crate::studio::{Edit, Studio};
+use light::{Lit, Shaded, Shaders};
 use resident::Resident;
 
 pub use resident::Brought;
@@ -43,6 +45,9 @@ pub struct Renderer {
     device: Device,
     /// What the device has compiled.
     kernels: Vec<GpuKernels>,
+    shaders: Shaders,
+    /// Where the last picture of each side was shaded.
+    shaded: [Shaded; 2],
     sides: [OnDevice; 2],
     /// Why the CPU renders what a GPU was to, since it was last asked.
     why: Option<Why>,
@@ -87,6 +92,8 @@ impl Renderer {
     pub fn new(threads: usize, wake: Option<Wake>) -> Self {
         Self {
             threads,
+            shaders: Shaders::new(wake.clone()),
+            shaded: Default::default(),
             wake,
             backend: Backend::Cpu,
             device: Device::Unasked,
@@ -111,6 +118,18 @@ impl Renderer {
         match (&self.device, &self.sides[side]) {
             (Device::Open(gpu), OnDevice::Surfaces(resident)) if resident.is_ready() => gpu.name(),
             _ => CPU,
+        }
+    }
+
+    /// The same in words, with what shades the side.
+    pub fn renders(&self, side: usize) -> String {
+        let name = self.name(side);
+        match self.shaded[side] {
+            _ if name == CPU => CPU.to_owned(),
+            Shaded::Nowhere => name.to_owned(),
+            Shaded::OnGpu => format!("{name}, traced and shaded there"),
+            Shaded::Meanwhile => format!("{name}, shaded by the CPU while shaders are compiled"),
+            Shaded::OnCpu(why) => format!("{name}, shaded by the CPU: {why}"),
         }
     }
 
@@ -151,13 +170,15 @@ impl Renderer {
 
     fn drop_device(&mut self, next: Device) {
         self.sides = Default::default();
+        self.shaded = Default::default();
         self.kernels.clear();
+        self.shaders.forget();
         self.device = next;
     }
 
     /// Renders a scene that has the camera and the settings of the pass; `watch` sees the film on its way,
-    /// `cancel` stops it within a row of a tile, on a GPU after some hundred thousand rays. What had to be
-    /// brought to a GPU for it, if one renders.
+    /// `cancel` stops it within a row of a tile, on a GPU with the dispatch on its way, some 25 ms of work, and where the CPU
+    /// shades with a wave of 16384 camera rays. What had to be brought to a GPU for it, if one renders.
     ///
     /// # Errors
     /// As [`rilievo_render::render()`].
@@ -182,20 +203,31 @@ impl Renderer {
         let OnDevice::Surfaces(resident) = std::mem::take(&mut self.sides[side]) else {
             return on_cpu();
         };
-        let Some((surfaces, maps)) = resident.into_ready() else { return on_cpu() };
+        let Some((surfaces, lit, maps)) = resident.into_ready() else { return on_cpu() };
         let gpu = Arc::clone(gpu);
         let failed = Mutex::new(None);
         let note = |error: &GpuError| {
             *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.clone());
         };
-        let tracer = GpuTracer::new(GpuWorld::again(&gpu, scene.world(), surfaces), true, note);
+        let world = GpuWorld::again(&gpu, scene.world(), surfaces).stopped_by(cancel);
+        let layers = !pass.layers.is_empty();
+        let made = lit.tracer((&gpu, &mut self.shaders), (world, scene), (layers, note));
+        let (tracer, lit, shaded) = match made {
+            Ok(made) => made,
+            Err(error) => {
+                self.gave_up(side, &error);
+                return on_cpu();
+            }
+        };
+        self.shaded[side] = shaded;
         let traced = RenderOptions { tracer: Some(&tracer), ..options };
         let film = rilievo_render::render(scene, &traced).map(|(film, _)| film);
-        let surfaces = tracer.into_world().into_surfaces();
+        let (surfaces, light) = tracer.into_parts();
+        let lit = light.map_or(lit, Lit::Now);
         match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => self.gave_up(side, &error),
             None => {
-                let resident = Resident::traced(surfaces, maps);
+                let resident = Resident::traced(surfaces, lit, maps);
                 self.sides[side] = OnDevice::Surfaces(Box::new(resident));
             }
         }

@@ -312,7 +312,7 @@ impl Labour {
 
     /// Tells what renders, if that has changed.
     fn tell_backend(&mut self) {
-        let (name, why) = (self.renderer.name(0).to_owned(), self.renderer.take_why());
+        let (name, why) = (self.renderer.renders(0), self.renderer.take_why());
         if name != self.backend || why.is_some() {
             self.backend.clone_from(&name);
             self.event(Event::Backend { name, why });

@@ -1,12 +1,11 @@
 //! [`GpuSurfaces`]: what of a [`GpuWorld`] stays on its GPU from one picture to the next.
 
-use std::sync::atomic::AtomicU32;
-
 use rilievo::glam::DVec3;
 use rilievo::surface::World;
 
 use super::GpuWorld;
 use super::edits::GpuMaps;
+use super::pace::Paces;
 use crate::device::{Gpu, Kernel};
 use crate::maps::Maps;
 use crate::pages::Pages;
@@ -19,7 +18,7 @@ pub struct GpuSurfaces {
     kinds: Vec<[u32; 2]>,
     buffers: [wgpu::Buffer; 4],
     params: wgpu::Buffer,
-    dispatch: AtomicU32,
+    paces: Paces,
 }
 
 /// Which shaders trace some surfaces.
@@ -41,14 +40,15 @@ impl GpuSurfaces {
 impl<'a> GpuWorld<'a> {
     /// All that lies on the GPU, for the time that the world is elsewhere: [`GpuWorld::again`].
     pub fn into_surfaces(self) -> GpuSurfaces {
-        let Self { anchor, surfaces, maps, kinds, buffers, params, dispatch, .. } = self;
-        GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, dispatch }
+        let Self { anchor, surfaces, maps, kinds, buffers, params, paces, .. } = self;
+        GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, paces }
     }
 
     /// The world that these surfaces are of, which lie on this GPU: nothing is brought over. Of another world
     /// answers would be wrong.
     pub fn again(gpu: &'a Gpu, world: &'a World, kept: GpuSurfaces) -> Self {
-        let GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, dispatch } = kept;
-        Self { gpu, world, anchor, surfaces, maps, kinds, buffers, params, dispatch }
+        let GpuSurfaces { anchor, surfaces, maps, kinds, buffers, params, paces } = kept;
+        let cancel = None;
+        Self { gpu, world, anchor, surfaces, maps, kinds, buffers, params, paces, cancel }
     }
 }

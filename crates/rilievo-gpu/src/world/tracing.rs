@@ -1,7 +1,6 @@
 //! Rays to a GPU, their answers back: the work is cut into dispatches that take about a tenth of a second each.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -9,23 +8,13 @@ use wgpu::BufferUsages;
 
 use super::GpuWorld;
 use crate::error::GpuError;
-use crate::records::{HIT_WORDS, RAY_WORDS};
+use crate::records::{HIT_WORDS, NOTHING, RAY_WORDS};
 
 /// Rays uploaded at once.
 pub(crate) const BATCH: usize = 1 << 20;
 
 /// Rays that one thread writes at a time.
 const CHUNK: usize = 4096;
-
-/// Rays of the first dispatch.
-pub(super) const FIRST_DISPATCH: u32 = 1 << 14;
-
-/// Rays of the largest dispatch: 64 a workgroup, at most 65535 workgroups.
-const LARGEST_DISPATCH: u32 = 1 << 20;
-
-/// A dispatch is to take about this long: far from the seconds after which drivers reset a GPU, long enough that
-/// its start does not count.
-const DISPATCH: Duration = Duration::from_millis(100);
 
 /// What a ray is answered by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +58,10 @@ impl GpuWorld<'_> {
         let count = rays.len() as u32;
         let mut first = 0;
         while first < count {
-            let end = count.min(first + self.dispatch.load(Ordering::Relaxed));
+            if self.is_stopped() {
+                return Ok(vec![NOTHING; rays.len() * answer.words()]);
+            }
+            let end = count.min(first + self.paces().rays.get());
             self.dispatch(&pipeline, &groups, first..end, answer)?;
             first = end;
         }
@@ -123,14 +115,14 @@ impl GpuWorld<'_> {
         count: u32,
         commands: &mut wgpu::CommandEncoder,
     ) -> Result<bool, GpuError> {
-        if count <= self.dispatch.load(Ordering::Relaxed) {
+        if count <= self.paces().rays.get() {
             self.set_params(0..count, Answer::Nearest);
             Self::pass(pipeline, groups, count, commands);
             return Ok(true);
         }
         let mut first = 0;
-        while first < count {
-            let end = count.min(first + self.dispatch.load(Ordering::Relaxed));
+        while first < count && !self.is_stopped() {
+            let end = count.min(first + self.paces().rays.get());
             self.dispatch(pipeline, groups, first..end, Answer::Nearest)?;
             first = end;
         }
@@ -154,12 +146,7 @@ impl GpuWorld<'_> {
 
     /// Makes the next dispatches as long as the time that one of so many rays took says.
     pub(crate) fn took(&self, rays: u32, took: Duration) {
-        if took > 2 * DISPATCH {
-            self.dispatch.store((rays / 2).max(64), Ordering::Relaxed);
-        } else if took < DISPATCH / 2 {
-            let longer = rays.saturating_mul(2).clamp(FIRST_DISPATCH, LARGEST_DISPATCH);
-            self.dispatch.fetch_max(longer, Ordering::Relaxed);
-        }
+        self.paces().rays.took(rays, took, self.patience());
     }
 
     /// Traces some of the rays and waits for them; the next dispatch is as long as the time says.

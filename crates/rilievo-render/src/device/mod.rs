@@ -134,25 +134,7 @@ impl SceneWords {
         check(scene)?;
         let settings = scene.settings();
         let mut words = Words(vec![0; HEAD.len()]);
-        let integrator = match settings.integrator {
-            Integrator::Aov => 0,
-            Integrator::Distributed => 1,
-            Integrator::Path => 2,
-        };
-        let sampler = match settings.sampler {
-            SamplerKind::Sobol => 0,
-            SamplerKind::Independent => 1,
-            SamplerKind::Jittered => 2,
-        };
-        let clamp = if settings.clamp > 0.0 { settings.clamp } else { f64::MAX };
-        words.set("INTEGRATOR", integrator);
-        words.set("SHADOW_SAMPLES", settings.shadow_samples);
-        words.set("GLOSSY_SAMPLES", settings.glossy_samples);
-        words.set("DIFFUSE_SAMPLES", settings.diffuse_samples);
-        words.set("MAX_DEPTH", settings.max_depth);
-        words.set("SAMPLER", sampler);
-        words.set("CLAMP_AT", single(clamp).to_bits());
-        words.set("SPREAD", single(path_spread(scene)).to_bits());
+        words.set_settings(scene);
         words.set_colour("BACKGROUND", scene.background());
         words.set_colour("AMBIENT", scene.ambient());
 
@@ -178,6 +160,25 @@ impl SceneWords {
         });
         let surfaces = surfaces.collect();
         Ok(Self { words: words.0, surfaces, parts })
+    }
+
+    /// Follows a scene that differs in camera and settings alone from that of these words; false, and nothing is
+    /// changed, where more of them depends on what has changed.
+    ///
+    /// # Errors
+    /// As [`SceneWords::new`].
+    pub fn follow(&mut self, scene: &Scene) -> Result<bool, Uncovered> {
+        check(scene)?;
+        let settings = scene.settings();
+        let path = settings.integrator == Integrator::Path;
+        let jittered = path && settings.sampler == SamplerKind::Jittered;
+        if (path, jittered) != (self.parts.path, self.parts.jittered) {
+            return Ok(false);
+        }
+        let mut words = Words(std::mem::take(&mut self.words));
+        words.set_settings(scene);
+        self.words = words.0;
+        Ok(true)
     }
 }
 
@@ -237,6 +238,30 @@ impl Words {
         if let Some(at) = HEAD.iter().position(|known| *known == name) {
             self.0[at] = word;
         }
+    }
+
+    /// Sets what camera and settings say.
+    fn set_settings(&mut self, scene: &Scene) {
+        let settings = scene.settings();
+        let integrator = match settings.integrator {
+            Integrator::Aov => 0,
+            Integrator::Distributed => 1,
+            Integrator::Path => 2,
+        };
+        let sampler = match settings.sampler {
+            SamplerKind::Sobol => 0,
+            SamplerKind::Independent => 1,
+            SamplerKind::Jittered => 2,
+        };
+        let clamp = if settings.clamp > 0.0 { settings.clamp } else { f64::MAX };
+        self.set("INTEGRATOR", integrator);
+        self.set("SHADOW_SAMPLES", settings.shadow_samples);
+        self.set("GLOSSY_SAMPLES", settings.glossy_samples);
+        self.set("DIFFUSE_SAMPLES", settings.diffuse_samples);
+        self.set("MAX_DEPTH", settings.max_depth);
+        self.set("SAMPLER", sampler);
+        self.set("CLAMP_AT", single(clamp).to_bits());
+        self.set("SPREAD", single(path_spread(scene)).to_bits());
     }
 
     fn set_colour(&mut self, name: &str, colour: DVec3) {

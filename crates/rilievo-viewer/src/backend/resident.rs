@@ -12,6 +12,7 @@ use rilievo_render::Scene;
 
 use super::Wake;
 use super::held::{HeldMap, maps_of};
+use super::light::Lit;
 use crate::studio::{Edit, Studio};
 
 /// What a picture had to bring to the GPU.
@@ -28,6 +29,7 @@ pub enum Brought {
 /// The surfaces of a scene, or of one before it.
 pub(super) struct Resident {
     surfaces: Surfaces,
+    lit: Lit,
     /// The maps, in the order of the surfaces, each once.
     maps: Vec<HeldMap>,
     /// What was painted since on maps, by their places among those.
@@ -52,8 +54,8 @@ impl Resident {
     /// As [`GpuWorld::new`].
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<(Self, Brought), GpuError> {
         let maps = maps_of(scene.world().surfaces());
-        let surfaces = GpuWorld::new(gpu, scene.world())?.into_surfaces();
-        let new = Self { surfaces: Surfaces::New(surfaces), maps, edits: Vec::new(), stale: false };
+        let surfaces = Surfaces::New(GpuWorld::new(gpu, scene.world())?.into_surfaces());
+        let new = Self { surfaces, lit: Lit::Unknown, maps, edits: Vec::new(), stale: false };
         Ok((new, Brought::Maps))
     }
 
@@ -68,7 +70,7 @@ impl Resident {
         scene: &Scene,
         known: &mut Vec<GpuKernels>,
     ) -> Result<(Self, Brought), GpuError> {
-        let Self { surfaces, maps, edits, stale } = self;
+        let Self { surfaces, lit, maps, edits, stale } = self;
         let surfaces = match surfaces {
             Surfaces::New(surfaces) | Surfaces::Ready(surfaces) => surfaces,
             Surfaces::Lent(receiver) => match receiver.try_recv() {
@@ -79,7 +81,7 @@ impl Resident {
                 }
                 Err(TryRecvError::Empty) => {
                     let surfaces = Surfaces::Lent(receiver);
-                    return Ok((Self { surfaces, maps, edits, stale }, Brought::Nothing));
+                    return Ok((Self { surfaces, lit, maps, edits, stale }, Brought::Nothing));
                 }
                 Err(TryRecvError::Disconnected) => {
                     let reason = "its shaders could not be compiled".to_owned();
@@ -89,14 +91,15 @@ impl Resident {
         };
         if !stale && edits.is_empty() {
             let surfaces = Surfaces::New(surfaces);
-            return Ok((Self { surfaces, maps, edits, stale }, Brought::Nothing));
+            return Ok((Self { surfaces, lit, maps, edits, stale }, Brought::Nothing));
         }
         let world = scene.world();
         let now = maps_of(world.surfaces());
         if now.len() != maps.len() || !now.iter().zip(&maps).all(|(a, b)| a.is(b)) {
             // What lies there makes room first.
             drop(surfaces);
-            return Self::new(gpu, scene);
+            let (new, brought) = Self::new(gpu, scene)?;
+            return Ok((Self { lit: lit.older(), ..new }, brought));
         }
         let edit = |(place, samples): &(usize, [Range<u32>; 2])| match &now[*place] {
             HeldMap::Map(relief) => Some(MapEdit { relief, samples: samples.clone() }),
@@ -106,7 +109,8 @@ impl Resident {
         let brought = Brought::Numbers(edits.len());
         let surfaces = GpuWorld::edited(gpu, world, surfaces.into_maps(), &edits)?.into_surfaces();
         let surfaces = Surfaces::New(surfaces);
-        Ok((Self { surfaces, maps: now, edits: Vec::new(), stale: false }, brought))
+        let lit = lit.older();
+        Ok((Self { surfaces, lit, maps: now, edits: Vec::new(), stale: false }, brought))
     }
 
     /// Makes it ready to be traced: at once with shaders among `known`, and without `wake`, after they were compiled;
@@ -148,17 +152,17 @@ impl Resident {
         matches!(self.surfaces, Surfaces::Ready(_))
     }
 
-    /// The surfaces that can be traced now, and their maps; none if it is not ready.
-    pub fn into_ready(self) -> Option<(GpuSurfaces, Vec<HeldMap>)> {
+    /// The surfaces that can be traced now, what lights them, and their maps; none if it is not ready.
+    pub fn into_ready(self) -> Option<(GpuSurfaces, Lit, Vec<HeldMap>)> {
         match self.surfaces {
-            Surfaces::Ready(surfaces) => Some((surfaces, self.maps)),
+            Surfaces::Ready(surfaces) => Some((surfaces, self.lit, self.maps)),
             Surfaces::New(_) | Surfaces::Lent(_) => None,
         }
     }
 
     /// What was traced, as it was.
-    pub fn traced(surfaces: GpuSurfaces, maps: Vec<HeldMap>) -> Self {
-        Self { surfaces: Surfaces::Ready(surfaces), maps, edits: Vec::new(), stale: false }
+    pub fn traced(surfaces: GpuSurfaces, lit: Lit, maps: Vec<HeldMap>) -> Self {
+        Self { surfaces: Surfaces::Ready(surfaces), lit, maps, edits: Vec::new(), stale: false }
     }
 
     /// The scene was loaded anew.

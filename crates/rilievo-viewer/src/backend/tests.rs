@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::*;
 use crate::brush::{Dab, Tool};
 use crate::passes::passes;
-use crate::session::{Action, Look, Session};
+use crate::session::{Action, Look, Session, Sun};
 use crate::studio::{Painting, Shown, Touch};
 use rilievo_io::scene::SceneFile;
 
@@ -102,7 +102,12 @@ fn the_cpu_renders_until_the_gpu_is_ready_and_it_tells_when() {
             return;
         }
     }
+    // Traced there at once, and shaded by the CPU until the shaders of light are there.
     assert_eq!(desk.compare(), Some(Brought::Nothing));
+    assert!(desk.renderer.renders(0).contains("while shaders are compiled"));
+    told.recv().unwrap();
+    assert_eq!(desk.compare(), Some(Brought::Nothing));
+    assert!(desk.renderer.renders(0).contains("shaded there"));
 }
 
 /// A desk with a GPU, if there is one.
@@ -116,13 +121,24 @@ fn on_gpu() -> Option<Desk> {
     Some(desk)
 }
 
+/// One after the other, so that shaders are compiled once.
 #[test]
-fn maps_stay_on_the_gpu_from_one_picture_to_the_next() {
+fn a_gpu_keeps_what_it_has_and_leaves_to_the_cpu_what_it_cannot_do() {
     let Some(mut desk) = on_gpu() else { return };
+    materials_lights_and_cameras_bring_no_map_and_few_words(&mut desk);
+    maps_stay_on_the_gpu_from_one_picture_to_the_next(&mut desk);
+    what_a_gpu_does_not_shade_it_traces_and_that_is_said(&mut desk);
+    what_a_gpu_cannot_trace_is_the_cpus_until_it_can(&mut desk);
+}
+
+fn maps_stay_on_the_gpu_from_one_picture_to_the_next(desk: &mut Desk) {
     assert_ne!(desk.renderer.name(0), "cpu");
     assert_eq!(desk.compare(), Some(Brought::Nothing));
     let camera = rilievo_render::CameraParts { fov: 35.0, ..desk.session.camera };
-    desk.shown.scene = desk.shown.scene.with_camera(rilievo_render::Camera::new(camera).unwrap());
+    // The scene as it is, with another camera.
+    let file = desk.session.document().parse().unwrap();
+    let same = desk.studio.load(&file, None).unwrap().scene;
+    desk.shown.scene = same.with_camera(rilievo_render::Camera::new(camera).unwrap());
     assert_eq!(desk.compare(), Some(Brought::Nothing));
     for action in [Action::Depth(0.2), Action::Zero(0.5), Action::Tile([2.0, 2.0])] {
         desk.act(action.clone());
@@ -146,14 +162,62 @@ fn maps_stay_on_the_gpu_from_one_picture_to_the_next() {
     assert_eq!(desk.compare(), Some(Brought::Maps));
 }
 
-#[test]
-fn what_a_gpu_cannot_trace_is_the_cpus_until_it_can() {
-    let Some(mut desk) = on_gpu() else { return };
+fn materials_lights_and_cameras_bring_no_map_and_few_words(desk: &mut Desk) {
+    assert!(desk.renderer.renders(0).contains("shaded there"), "{}", desk.renderer.renders(0));
+    let Device::Open(gpu) = &desk.renderer.device else { panic!("a GPU") };
+    let gpu = Arc::clone(gpu);
+    let before = gpu.bytes_brought();
+    assert!(before.maps >= 2 * 64 * 64, "{before:?}");
+    let sun = Sun { azimuth: 100.0, elevation: 60.0, ..Sun::default() };
+    let camera = rilievo_render::CameraParts { fov: 35.0, ..desk.session.camera };
+    for action in [
+        Action::Roughness(0.4),
+        Action::Sun(sun),
+        Action::Camera(camera),
+        Action::Samples(9),
+        Action::Depth(0.15),
+    ] {
+        let before = gpu.bytes_brought();
+        desk.act(action.clone());
+        desk.compare();
+        let now = gpu.bytes_brought();
+        assert_eq!(now.maps, before.maps, "{action:?}");
+        // The numbers of one face, and blocks of what is said of light.
+        assert!(now.scenes - before.scenes < 1 << 13, "{action:?}: {before:?} {now:?}");
+        assert!(desk.renderer.renders(0).contains("shaded there"), "{action:?}");
+    }
+    // Of a scene that is as it was, the words that settings are written to.
+    let before = gpu.bytes_brought();
+    desk.compare();
+    assert!(gpu.bytes_brought().scenes - before.scenes <= 128);
+    // Layers are first hits: nothing is shaded, and what was there stays.
+    let never = AtomicBool::new(false);
+    let size = desk.shown.scene.camera().resolution();
+    let look = Look::Layer(rilievo_render::Aov::N);
+    let pass = passes(size, &desk.shown.settings, look).pop().unwrap();
+    desk.renderer.render((0, &desk.shown.scene), &pass, &|_| {}, &never).unwrap();
+    assert_eq!(gpu.bytes_brought().maps, before.maps);
+}
+
+fn what_a_gpu_does_not_shade_it_traces_and_that_is_said(desk: &mut Desk) {
+    let wide = SCENE.replace("samples = 4", "samples = 1\nmax_depth = 40\ndiffuse_samples = 1");
+    desk.session.reload(&SceneFile::parse(&wide, Path::new("scene.toml")).unwrap());
+    desk.load();
+    assert_eq!(desk.compare(), Some(Brought::Numbers(0)));
+    let said = desk.renderer.renders(0);
+    assert!(said.contains("shaded by the CPU: a tree of so many rays"), "{said}");
+    desk.session.reload(&SceneFile::parse(SCENE, Path::new("scene.toml")).unwrap());
+    desk.load();
+    assert_eq!(desk.compare(), Some(Brought::Numbers(0)));
+    assert!(desk.renderer.renders(0).contains("shaded there"));
+}
+
+fn what_a_gpu_cannot_trace_is_the_cpus_until_it_can(desk: &mut Desk) {
     let shows = |desk: &mut Desk, text: &str| {
         desk.session.reload(&SceneFile::parse(text, Path::new("scene.toml")).unwrap());
         desk.load();
     };
-    shows(&mut desk, &SCENE.replace("samples = 4", "samples = 4\nlod = 1"));
+    shows(desk, &SCENE.replace("samples = 4", "samples = 4\nlod = 1"));
     assert_eq!(desk.draw().1, None);
     let why = desk.renderer.take_why().unwrap();
     assert!(why.loud && why.text.contains("level of detail"), "{why:?}");
@@ -165,7 +229,7 @@ fn what_a_gpu_cannot_trace_is_the_cpus_until_it_can() {
     // Loaded again, as while a slider is dragged, it is no news.
     desk.load();
     assert_eq!((desk.draw().1, desk.renderer.take_why()), (None, None));
-    shows(&mut desk, SCENE);
+    shows(desk, SCENE);
     assert_eq!(desk.compare(), Some(Brought::Maps));
 }
 
