@@ -13,7 +13,7 @@ use rilievo::relief::{ReliefFace, ReliefSphere, ShadingNormals};
 use rilievo::surface::{Quad, Sphere, Surface, World};
 use rilievo_render::device::{HEAD, NOTHING, SceneWords, Uncovered};
 
-use crate::records::Words;
+use crate::records::{self, Words};
 pub(crate) use mesh::{SHELL_FORM, SHELL_WALL_FORM};
 
 /// Words that are said of a surface.
@@ -40,24 +40,35 @@ pub(crate) fn append(
     let mut records = Vec::with_capacity(known.len() * SURFACE_RECORD as usize);
     let words = &mut scene.words;
     for ((surface, said), [kind, face]) in world.surfaces().iter().zip(&scene.surfaces).zip(known) {
-        let (form, transform) = match surface {
+        let mut shown = |words: &mut Vec<u32>, prototype: &Arc<Surface>| {
+            let bounds = prototype.bounds();
+            let middle = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
+            let address = Arc::as_ptr(prototype).addr();
+            let form = match shown.get(&address) {
+                Some(form) => *form,
+                None => write_form(words, prototype, middle)?,
+            };
+            shown.insert(address, form);
+            Ok((form, middle))
+        };
+        let (form, transform, moves) = match surface {
             Surface::Instance(instance) => {
-                let prototype = instance.prototype();
-                let bounds = prototype.bounds();
-                let middle = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
-                let address = Arc::as_ptr(prototype).addr();
-                let form = match shown.get(&address) {
-                    Some(form) => *form,
-                    None => write_form(words, prototype, middle)?,
-                };
-                shown.insert(address, form);
-                (form, write_transform(words, instance.world_from_local(), [anchor, middle]))
+                let (form, middle) = shown(words, instance.prototype())?;
+                let place = instance.world_from_local();
+                (form, write_transform(words, place, [anchor, middle]), 0)
             }
-            other => (write_form(words, other, anchor)?, NOTHING),
+            Surface::Moving(moving) => {
+                let (form, middle) = shown(words, moving.prototype())?;
+                let (begin, motion) = (moving.world_from_local(0.0), moving.motion());
+                let transform = write_transform(words, &begin, [motion.pivot, middle]);
+                records::write_motion(words, motion, anchor);
+                (form, transform, 1)
+            }
+            other => (write_form(words, other, anchor)?, NOTHING, 0),
         };
         let drawn = said.drawn.unwrap_or(NOTHING);
         let glows = u32::from(said.is_light);
-        records.extend([said.material, form, glows, *kind, *face, drawn, transform, 0]);
+        records.extend([said.material, form, glows, *kind, *face, drawn, transform, moves]);
     }
     if let Some(at) = HEAD.iter().position(|name| *name == "FIRST_SURFACE") {
         words[at] = words.len() as u32;

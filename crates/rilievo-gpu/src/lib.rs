@@ -48,7 +48,10 @@
 //! **Light.** [`GpuScene`] runs the integrators of `rilievo-render` on the device, for scenes whose materials, lights and surfaces its shaders
 //! know; see `shading.rs`. Numbers of samplers are the CPU's bit for bit, points are in doubles, weights in floats.
 //!
-//! **Limits.** Surfaces that move are refused by name. Rays whose start is farther than 1e30
+//! **Motion.** A ray brings its time. Where a surface then is, is worked out for each ray that reaches its box, in doubles: the turn's sine and
+//! cosine by their series (`shaders/motion.wgsl`). The CPU completes the hit by its own place of that time.
+//!
+//! **Limits.** Rays whose start is farther than 1e30
 //! from the middle of the world meet nothing.
 //!
 //! **Watchdog.** Dispatches are cut so that each takes about a tenth of a second.

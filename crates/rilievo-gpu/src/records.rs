@@ -4,13 +4,14 @@
 use rilievo::glam::DVec3;
 use rilievo::map::{Axis, CubeFace, Lattice, Samples, Wrap};
 use rilievo::relief::{Relief, ReliefFace, ReliefMesh, ReliefSphere};
+use rilievo::surface::Motion;
 use rilievo::{Hit, Part, Ray, Wall};
 use rilievo_render::ShadowRay;
 
 use crate::bounds;
 
 /// Words of a ray.
-pub(crate) const RAY_WORDS: usize = 20;
+pub(crate) const RAY_WORDS: usize = 22;
 /// Words of a hit.
 pub(crate) const HIT_WORDS: usize = 12;
 /// Words of a face.
@@ -111,6 +112,8 @@ pub(crate) fn write_ray(words: &mut Vec<u32>, ray: &Ray, anchor: DVec3) {
     words.vector(ray.origin - anchor);
     words.vector(ray.direction * scale);
     words.double(t_max);
+    // NaN is 0.
+    words.double(if ray.time > 0.0 { ray.time.min(1.0) } else { 0.0 });
     let (surface, leaves, line) = match ray.from {
         Some(from) => {
             let (kind, line) = match from.part {
@@ -220,6 +223,14 @@ impl HitRecord<'_> {
             _ => mesh.hit_in_cell(ray, t, (piece, cell, at), front),
         }
     }
+}
+
+/// Writes a motion, the struct `Motion` of `shaders/motion.wgsl`.
+pub(crate) fn write_motion(words: &mut Vec<u32>, motion: &Motion, anchor: DVec3) {
+    words.vector(motion.pivot - anchor);
+    words.vector(motion.translation);
+    words.vector(motion.axis);
+    words.double(motion.angle / std::f64::consts::TAU);
 }
 
 /// Writes a face whose map lies at `place`; `anchor` is that of the rays.

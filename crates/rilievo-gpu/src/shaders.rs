@@ -29,6 +29,8 @@ pub(crate) struct Walks {
     pub spheres: bool,
     /// Displaced meshes.
     pub meshes: bool,
+    /// Surfaces that move, of any kind.
+    pub moving: bool,
 }
 
 /// The nearest hit of many rays, by these walks, with heights and bounds that are cut into these pages.
@@ -47,6 +49,8 @@ pub(crate) struct Light {
     pub relief_spheres: bool,
     pub relief_meshes: bool,
     pub instances: bool,
+    /// Whether any of those move.
+    pub moving: bool,
     /// Points of a tree of rays that wait at once.
     pub points: u32,
 }
@@ -62,8 +66,8 @@ impl Light {
     fn text(self) -> String {
         let Parts { images, normals, sky, metals, glass, principled, mixes, emitters, .. } =
             self.parts;
-        let (jittered, Self { faces, relief_spheres, relief_meshes, instances, .. }) =
-            (self.parts.jittered, self);
+        let Self { faces, relief_spheres, relief_meshes, instances, moving, .. } = self;
+        let jittered = self.parts.jittered;
         let flags = [
             ("IMAGES", images),
             ("NORMALS", normals),
@@ -78,6 +82,7 @@ impl Light {
             ("RELIEF_SPHERES", relief_spheres),
             ("RELIEF_MESHES", relief_meshes),
             ("INSTANCES", instances),
+            ("MOVING", moving),
         ];
         let flags = flags.map(|(name, is)| format!("const {name}: bool = {is};\n"));
         let lengths = [
@@ -106,6 +111,7 @@ impl Walks {
             marched: self.marched || other.marched,
             spheres: self.spheres || other.spheres,
             meshes: self.meshes || other.meshes,
+            moving: self.moving || other.moving,
         }
     }
 
@@ -139,11 +145,12 @@ impl Walks {
             [(is, first), (_, second), ..] => format!("if {is} {{ {first} }} {second}"),
         };
         let faces = self.bounds || self.distances || !points.is_empty();
-        let Self { spheres, meshes, .. } = self;
+        let Self { spheres, meshes, moving, .. } = self;
         format!(
             "const FACES: bool = {faces};\n\
              const RELIEF_SPHERES: bool = {spheres};\n\
              const RELIEF_MESHES: bool = {meshes};\n\
+             const MOVING: bool = {moving};\n\
              fn walk_tile(tile: Tile, begin: f32, end: f32) -> LeafHit {{ {walk} }}\n\
              fn meets_points() -> bool {{ return {meets}; }}\n\
              fn meet_points(t_max: Double, number: u32) -> Hit {{ {meet} }}\n"
@@ -256,6 +263,7 @@ const CLOSEST: &str = concat!(
     include_str!("shaders/mesh/wall.wgsl"),
     include_str!("shaders/mesh/departure.wgsl"),
     include_str!("shaders/mesh/walk.wgsl"),
+    include_str!("shaders/motion.wgsl"),
     include_str!("shaders/world.wgsl"),
     include_str!("shaders/closest.wgsl"),
 );
@@ -274,6 +282,7 @@ const SHADED: &str = concat!(
     include_str!("shaders/sampler/warp.wgsl"),
     include_str!("shaders/texture/image.wgsl"),
     include_str!("shaders/texture/input.wgsl"),
+    include_str!("shaders/motion.wgsl"),
     include_str!("shaders/hit/point.wgsl"),
     include_str!("shaders/hit/face.wgsl"),
     include_str!("shaders/hit/flat.wgsl"),
@@ -332,7 +341,10 @@ mod tests {
             for walks in (0..64).step_by(step) {
                 let [bounds, distances, published, marched, spheres, meshes] =
                     [1, 2, 4, 8, 16, 32].map(|bit| walks & bit != 0);
-                let walks = Walks { bounds, distances, published, marched, spheres, meshes };
+                // As good as any other half.
+                let moving = bounds != meshes;
+                let walks =
+                    Walks { bounds, distances, published, marched, spheres, meshes, moving };
                 assert_eq!(validated(&closest(walks, pages)).entry_points.len(), 1);
             }
             assert_eq!(validated(&pyramid(pages)).entry_points.len(), 2);
@@ -352,6 +364,8 @@ mod tests {
                     let [images, normals, sky, metals, glass, principled, mixes, jittered, ..] =
                         has;
                     let [.., emitters, relief_meshes, faces, relief_spheres, instances] = has;
+                    // As good as any other half.
+                    let moving = faces != metals;
                     let parts = Parts {
                         path,
                         images,
@@ -364,8 +378,9 @@ mod tests {
                         emitters,
                         jittered,
                     };
-                    let light =
-                        Light { parts, points: 4, faces, relief_spheres, relief_meshes, instances };
+                    let displaced =
+                        Light { faces, relief_spheres, relief_meshes, ..Light::default() };
+                    let light = Light { parts, points: 4, instances, moving, ..displaced };
                     assert_eq!(validated(&advance(light, pages)).entry_points.len(), 1);
                 }
             }

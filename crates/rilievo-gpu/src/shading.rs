@@ -255,6 +255,10 @@ fn points_of(scene: &Scene) -> Result<u32, Uncovered> {
     Ok(if splits { settings.max_depth + FEWEST_POINTS } else { FEWEST_POINTS })
 }
 
+fn stands_elsewhere(surface: &Surface) -> bool {
+    matches!(surface, Surface::Instance(_) | Surface::Moving(_))
+}
+
 impl OnDevice {
     /// The scene in words, with the forms of its surfaces.
     fn words(world: &GpuWorld<'_>, scene: &Scene) -> Result<SceneWords, Uncovered> {
@@ -285,7 +289,8 @@ impl OnDevice {
             faces: has(upload::FACE),
             relief_spheres: has(upload::RELIEF_SPHERE),
             relief_meshes: has(upload::RELIEF_MESH),
-            instances: scene.world().surfaces().iter().any(|s| matches!(s, Surface::Instance(_))),
+            instances: scene.world().surfaces().iter().any(stands_elsewhere),
+            moving: scene.world().moves(),
         };
         if let Some(before) = before {
             return Ok(Ok(before.followed(gpu, kernel, said)?));

@@ -11,7 +11,7 @@ use rilievo::glam::{DAffine3, DMat3, DVec3};
 use rilievo::map::CubeFace;
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Relief, ReliefFace, ReliefMesh, ReliefSphere};
-use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
+use rilievo::surface::{Instance, MovingInstance, Quad, Sphere, Surface, World};
 
 use crate::error::GpuError;
 use crate::maps::MapPlan;
@@ -62,6 +62,7 @@ impl<'a> Upload<'a> {
         for surface in surfaces {
             let record = match surface {
                 Surface::Instance(instance) => upload.instance(instance, anchor)?,
+                Surface::Moving(moving) => upload.moving(moving, anchor)?,
                 other => upload.surface(other, anchor)?,
             };
             record.write(&mut upload.surfaces);
@@ -92,8 +93,7 @@ impl<'a> Upload<'a> {
             Surface::Face(face) => Ok(self.face(face, anchor)),
             Surface::ReliefSphere(sphere) => Ok(self.relief_sphere(sphere, anchor)),
             Surface::ReliefMesh(mesh) => Ok(self.relief_mesh(mesh, anchor)),
-            Surface::Instance(_) => unsupported("an instance of an instance"),
-            Surface::Moving(_) => unsupported("a surface that moves"),
+            Surface::Instance(_) | Surface::Moving(_) => unsupported("an instance of an instance"),
         }
     }
 
@@ -102,30 +102,55 @@ impl<'a> Upload<'a> {
         instance: &'a Instance,
         anchor: DVec3,
     ) -> Result<SurfaceRecord, GpuError> {
-        let prototype = instance.prototype();
-        let address = Arc::as_ptr(prototype).addr();
-        // Its frame counts from its own middle, as that of the world does; parts of one mesh share theirs.
+        let (shown, middle) = self.prototype(instance.prototype())?;
+        let transform = self.transform(instance.world_from_local(), [anchor, middle]);
+        Ok(shown.shown_at(transform))
+    }
+
+    /// A prototype in motion: from where it is at time 0, relative to the pivot, and the motion.
+    fn moving(
+        &mut self,
+        moving: &'a MovingInstance,
+        anchor: DVec3,
+    ) -> Result<SurfaceRecord, GpuError> {
+        let (shown, middle) = self.prototype(moving.prototype())?;
+        self.maps.add_walks(Walks { moving: true, ..Walks::default() });
+        let begin = moving.world_from_local(0.0);
+        let transform = self.transform(&begin, [moving.motion().pivot, middle]);
+        records::write_motion(&mut self.numbers, moving.motion(), anchor);
+        Ok(shown.moving_at(transform))
+    }
+
+    /// What instances of a surface show, and what its frame counts from: its own middle, as that of the world does; parts of
+    /// one mesh share theirs.
+    fn prototype(
+        &mut self,
+        prototype: &'a Arc<Surface>,
+    ) -> Result<(SurfaceRecord, DVec3), GpuError> {
         let bounds = prototype.bounds();
         let middle = match prototype.as_ref() {
             Surface::ReliefMesh(mesh) => mesh.frame().centre,
             _ if bounds.is_empty() => DVec3::ZERO,
             _ => bounds.centre(),
         };
-        let shown = match self.prototypes.get(&address) {
-            Some(record) => *record,
-            None => {
-                let record = self.surface(prototype, middle)?;
-                self.prototypes.insert(address, record);
-                record
-            }
-        };
-        let DAffine3 { matrix3, translation } = instance.world_from_local().inverse();
-        let transform = self.numbers.len() as u32;
+        let address = Arc::as_ptr(prototype).addr();
+        if let Some(record) = self.prototypes.get(&address) {
+            return Ok((*record, middle));
+        }
+        let record = self.surface(prototype, middle)?;
+        self.prototypes.insert(address, record);
+        Ok((record, middle))
+    }
+
+    /// The way from a frame that counts from `from` to that of a prototype, which counts from `middle`.
+    fn transform(&mut self, world_from_local: &DAffine3, [from, middle]: [DVec3; 2]) -> u32 {
+        let DAffine3 { matrix3, translation } = world_from_local.inverse();
+        let place = self.numbers.len() as u32;
         let DMat3 { x_axis, y_axis, z_axis } = matrix3.transpose();
-        [x_axis, y_axis, z_axis, matrix3 * anchor + translation - middle]
+        [x_axis, y_axis, z_axis, matrix3 * from + translation - middle]
             .into_iter()
             .for_each(|row| self.numbers.vector(row));
-        Ok(shown.shown_at(transform))
+        place
     }
 
     fn face(&mut self, face: &'a ReliefFace, anchor: DVec3) -> SurfaceRecord {

@@ -9,7 +9,7 @@ use rilievo::map::{Layout, RowMut};
 use rilievo::relief::{Displacement, MeshOptions, Method, Relief, ReliefMesh};
 use rilievo::surface::{Instance, Motion, MovingInstance, Quad, Sphere, Surface, World};
 use rilievo::{Hit, Part, Ray, SimdLevel};
-use rilievo_gpu::{Gpu, GpuError, GpuWorld, MapEdit};
+use rilievo_gpu::{Gpu, GpuWorld, MapEdit};
 use rilievo_render::ShadowRay;
 use rilievo_tests::kernel;
 use rilievo_tests::meshes::Base;
@@ -37,7 +37,7 @@ fn quad(random: &mut Random, shear: f64, one_sided: bool) -> Surface {
     Quad::new(corners, one_sided).unwrap().into()
 }
 
-/// Everything the shaders know, at random places, and instances of it.
+/// Everything the shaders know, at random places, instances of it, and all of it in motion.
 fn world(random: &mut Random) -> World {
     let relief = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
     let pebble = &sphere::scenes()[1];
@@ -63,6 +63,17 @@ fn world(random: &mut Random) -> World {
             DAffine3::from_scale_rotation_translation(scale, turn, 4.0 * random.direction());
         let prototype = Arc::new(all[k % 8].clone());
         all.push(Instance::new(prototype, place).unwrap().into());
+    }
+    for k in 0..8 {
+        let motion = Motion {
+            translation: random.range(0.0, 2.0) * random.direction(),
+            pivot: 4.0 * random.direction(),
+            axis: random.direction(),
+            angle: random.range(-9.0, 9.0),
+        };
+        let place = DAffine3::from_translation(3.0 * random.direction());
+        let way = MovingInstance::new(Arc::new(all[8 + k].clone()), place, motion);
+        all.push(way.unwrap().into());
     }
     World::new(all)
 }
@@ -121,7 +132,8 @@ fn hits_in_whole_worlds_are_those_of_the_cpu() {
             .map(|_| {
                 let [from, to] =
                     [random.range(0.0, 9.0), 3.0].map(|size| size * random.direction());
-                Ray { t_max: random.range(0.3, 3.0), ..Ray::new(from, to - from) }
+                let [t_max, time] = [random.range(0.3, 3.0), random.range(0.0, 1.0)];
+                Ray { t_max, time, ..Ray::new(from, to - from) }
             })
             .collect();
         let first: Vec<Hit> = rays.iter().filter_map(|ray| world.closest(ray, &mut ())).collect();
@@ -202,15 +214,30 @@ fn an_empty_world_is_met_nowhere() {
 }
 
 #[test]
-fn what_the_shaders_do_not_know_is_named() {
+fn what_moves_is_met_where_it_is_at_any_time_and_after_many_turns() {
     let Some(gpu) = gpu() else { return };
-    let face = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
-    let instance = Instance::new(Arc::new(face.into()), DAffine3::IDENTITY).unwrap();
-    assert!(GpuWorld::new(&gpu, &World::new(vec![instance.into()])).is_ok());
-    let face = kernel::face(&scenes::named("fbm 64"), Method::Pyramid);
-    let moving =
-        MovingInstance::new(Arc::new(face.into()), DAffine3::IDENTITY, Motion::along(DVec3::X));
-    let error = GpuWorld::new(&gpu, &World::new(vec![moving.unwrap().into()])).err().unwrap();
-    assert!(matches!(&error, GpuError::Unsupported { .. }), "{error}");
-    assert!(error.to_string().contains("moves") && error.to_string().contains("CPU"), "{error}");
+    let ball = || Arc::new(Surface::from(Sphere::new(DVec3::new(0.0, 3.0, 0.0), 0.5).unwrap()));
+    let spins = |pivot, angle| {
+        let motion = Motion { pivot, axis: DVec3::Z, angle, ..Motion::along(DVec3::Z) };
+        MovingInstance::new(ball(), DAffine3::IDENTITY, motion).unwrap().into()
+    };
+    // Far away, too, where the world's middle is.
+    for far in [DVec3::ZERO, DVec3::new(1e6, -3e5, 0.0)] {
+        let world = World::new(vec![spins(DVec3::ZERO, -6000.0), spins(far, 0.5)]);
+        let on_gpu = GpuWorld::new(&gpu, &world).unwrap();
+        for time in [0.0, 1e-3, 0.3, 0.5, 0.999, 1.0, 2.0, f64::NAN] {
+            let places = world.surfaces().iter().map(|surface| {
+                let Surface::Moving(moving) = surface else { panic!("all move") };
+                moving.world_from_local(time).transform_point3(DVec3::new(0.0, 3.0, 0.0))
+            });
+            let rays: Vec<Ray> = places
+                .map(|p| Ray { time, ..Ray::new(p + 9.0 * DVec3::Z, DVec3::NEG_Z) })
+                .collect();
+            for (ray, traced) in rays.iter().zip(on_gpu.closest(&rays).unwrap()) {
+                let (cpu, hit) = (world.closest(ray, &mut ()).unwrap(), traced.hit.unwrap());
+                assert!(cpu.position.distance(hit.position) < 1e-6, "{ray:?}: {hit:?} {cpu:?}");
+                assert_eq!((cpu.surface, cpu.time.to_bits()), (hit.surface, hit.time.to_bits()));
+            }
+        }
+    }
 }

@@ -17,6 +17,8 @@ struct Ray {
     // Its largest component is at least 1 and below 2.
     direction: array<Double, 3>,
     t_max: Double,
+    // From 0 to 1: where things are that move.
+    time: Double,
     // The surface it leaves, or NOTHING.
     surface: u32,
     // Bits: FRONT, and the kind of wall it leaves from bit 8 up (1 + axis * 2 + high, 5 + axis for a seam, or 7 for a wall of
@@ -95,7 +97,7 @@ struct Surface {
     // Place in `numbers` of the matrix, row by row, and the translation that bring the world to its own
     // frame; NOTHING where that is the world.
     transform: u32,
-    // ONE_SIDED.
+    // ONE_SIDED, MOVES: a `Motion` follows the transform, which counts from its pivot.
     flags: u32,
 }
 
@@ -126,6 +128,7 @@ const RISES: u32 = 1u;
 const CLOSED: u32 = 2u;
 const ONE_SIDED: u32 = 4u;
 const FLOATS: u32 = 8u;
+const MOVES: u32 = 16u;
 
 const REPEAT: u32 = 0u;
 const CLAMP: u32 = 1u;

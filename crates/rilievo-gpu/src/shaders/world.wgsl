@@ -52,6 +52,20 @@ fn local_ray(source: Ray, place: u32) -> Ray {
     return local;
 }
 
+fn vector_at(place: u32) -> array<Double, 3> {
+    return array<Double, 3>(number_at(place), number_at(place + 2u), number_at(place + 4u));
+}
+
+// The motion at a place of `numbers`.
+fn motion_at(place: u32) -> Motion {
+    return Motion(
+        vector_at(place),
+        vector_at(place + 6u),
+        vector_at(place + 12u),
+        number_at(place + 18u),
+    );
+}
+
 // A surface that rays pass through, or NOTHING.
 var<private> ignored: u32 = NOTHING;
 
@@ -152,7 +166,11 @@ fn nearest(source: Ray) -> Hit {
         }
         local = source;
         if surfaces[number].transform != NOTHING {
-            local = local_ray(source, surfaces[number].transform);
+            let place = surfaces[number].transform;
+            if MOVING && (surfaces[number].flags & MOVES) != 0u {
+                local = ray_at_begin(turn_at(motion_at(place + 24u), source.time), source);
+            }
+            local = local_ray(local, place);
         }
         var hit: Hit;
         hit.surface = NOTHING;

@@ -50,7 +50,7 @@ impl GpuWorld<'_> {
             let surface = self.world.surfaces().get(index as usize)?;
             let from = ray.from.filter(|from| from.surface == index);
             match completed(surface, &Ray { from, ..*ray }, record.t(ray), record) {
-                Some(hit) => Some(Hit { surface: index, ..hit }),
+                Some(hit) => Some(Hit { surface: index, time: ray.time, ..hit }),
                 None => self.world.closest(ray, &mut ()),
             }
         });
@@ -82,6 +82,9 @@ fn completed(surface: &Surface, ray: &Ray, t: f64, record: &HitRecord<'_>) -> Op
         }
         Surface::ReliefSphere(sphere) => Some(record.on_relief_sphere(sphere, ray, t)),
         Surface::ReliefMesh(mesh) => Some(record.on_relief_mesh(mesh, ray, t)),
-        Surface::Moving(_) => None,
+        Surface::Moving(moving) => {
+            let hit = completed(moving.prototype(), &moving.local_ray(ray), t, record)?;
+            Some(moving.world_hit(hit, ray.time))
+        }
     }
 }

@@ -104,6 +104,18 @@ fn trees_of_rays_bring_what_they_bring_on_the_cpu() {
 }
 
 #[test]
+fn what_moves_is_shaded_where_it_is() {
+    let Some(gpu) = gpu() else { return };
+    let ball = Material { reflective: Rgb::splat(0.5), roughness: 0.3, ..Material::default() };
+    let room = Room { ball, shapes: Shapes::Ball, moves: true, ..Room::default() };
+    compare(
+        gpu,
+        "trees in motion",
+        &room.scene(settings(Integrator::Distributed)).with_lamps(lamps()),
+    );
+}
+
+#[test]
 fn paths_bring_what_they_bring_on_the_cpu() {
     let Some(gpu) = gpu() else { return };
     let path = settings(Integrator::Path);

@@ -9,7 +9,7 @@ use rilievo::relief::{
     CubeRelief, Displacement, FaceOptions, MeshOptions, Relief, ReliefFace, ReliefMesh,
     ReliefSphere, ShadingNormals, SphereOptions,
 };
-use rilievo::surface::{Instance, Quad, Sphere, Surface, World};
+use rilievo::surface::{Instance, Motion, MovingInstance, Quad, Sphere, Surface, World};
 use rilievo_render::{
     Camera, CameraParts, ColourImage, Material, Reflectance, RenderSettings, Rgb, Scene,
     SceneParts, Texels, Texture,
@@ -23,6 +23,8 @@ pub struct Room {
     pub ball: Material,
     pub pyramid: Material,
     pub shapes: Shapes,
+    /// Whether the ball and one of the pyramids move.
+    pub moves: bool,
     pub background: Rgb,
     pub ambient: Rgb,
     pub side: u32,
@@ -50,6 +52,7 @@ impl Default for Room {
             ball: Material { reflective: Rgb::splat(0.4), roughness: 0.4, ..grey(0.3) },
             pyramid: grey(0.5),
             shapes: Shapes::Plain,
+            moves: false,
             background: Rgb::new(0.1, 0.2, 0.3),
             ambient: Rgb::splat(0.02),
             side: 24,
@@ -138,6 +141,18 @@ impl Room {
                 ReliefSphere::new(center, 0.5, relief, options).unwrap().into()
             }
         };
+        let motion = Motion {
+            translation: DVec3::new(0.5, 0.1, 0.2),
+            pivot: center + DVec3::X,
+            axis: DVec3::new(0.3, 1.0, 0.2),
+            angle: 0.7,
+        };
+        let moved = |surface: Surface| match self.moves {
+            true => {
+                MovingInstance::new(Arc::new(surface), DAffine3::IDENTITY, motion).unwrap().into()
+            }
+            false => surface,
+        };
         let meshes = self.shapes == Shapes::Meshes;
         let shown = Arc::new(match meshes {
             true => displaced_pyramid(DAffine3::IDENTITY),
@@ -153,8 +168,8 @@ impl Room {
             if meshes { quad(floor.map(|[x, y]| [x, y, 0.0])) } else { face.into() },
             quad([[-2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [2.0, 2.0, 3.0], [-2.0, 2.0, 3.0]]),
             quad([[-0.7, -0.5, 3.0], [-0.7, 0.8, 3.0], [0.7, 0.8, 3.0], [0.7, -0.5, 3.0]]),
-            ball,
-            stood(0.9, 0.5),
+            moved(ball),
+            moved(stood(0.9, 0.5)),
             stood(0.1, 0.25),
         ];
         let camera = CameraParts {
@@ -168,7 +183,7 @@ impl Room {
             world: World::new(surfaces),
             materials: vec![self.floor, self.wall, self.lamp, self.ball, self.pyramid],
             material_of: vec![0, 1, 2, 3, 4, 4],
-            camera: Camera::new(camera).unwrap(),
+            camera: Camera::new(camera).unwrap().with_shutter([0.2, 0.9]).unwrap(),
             background: self.background,
             ambient: self.ambient,
             settings,

@@ -188,9 +188,6 @@ fn check(scene: &Scene) -> Result<(), Uncovered> {
     if settings.lod > 0.0 {
         return Err(Uncovered("level of detail"));
     }
-    if scene.world().moves() {
-        return Err(Uncovered("a surface that moves"));
-    }
     let textures = scene.materials().iter().flat_map(Material::textures);
     let images: HashMap<usize, u64> = textures
         .map(|texture| &texture.image)

@@ -3,6 +3,7 @@
 mod shapes;
 
 use glam::DVec3;
+use rilievo::surface::Surface;
 
 use super::bounds::LightBounds;
 use super::distribution::Distribution;
@@ -112,6 +113,12 @@ pub(crate) fn write_lighting(
     let lighting = scene.lighting();
     let drawn = lighting.drawn(scene.world());
     let (emitters, _) = lighting.emitters();
+    let world = scene.world();
+    let moves =
+        |surface: u32| matches!(world.surfaces().get(surface as usize), Some(Surface::Moving(_)));
+    if emitters.iter().any(|emitter| moves(emitter.surface)) {
+        return Err(Uncovered("light from a shape in motion"));
+    }
     if drawn.len() + emitters.len() > MOST_LIGHTS {
         return Err(Uncovered("light from a mesh of more than a million triangles"));
     }

@@ -126,8 +126,8 @@ fn on_gpu() -> Option<Desk> {
 fn a_gpu_keeps_what_it_has_and_leaves_to_the_cpu_what_it_cannot_do() {
     let Some(mut desk) = on_gpu() else { return };
     materials_lights_and_cameras_bring_no_map_and_few_words(&mut desk);
-    maps_stay_on_the_gpu_from_one_picture_to_the_next(&mut desk);
     what_a_gpu_does_not_shade_it_traces_and_that_is_said(&mut desk);
+    maps_stay_on_the_gpu_from_one_picture_to_the_next(&mut desk);
     what_a_gpu_cannot_trace_is_the_cpus_until_it_can(&mut desk);
 }
 

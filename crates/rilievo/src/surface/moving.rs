@@ -20,7 +20,10 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use crate::accel::{Aabb, GROWTH};
+use crate::hit::Hit;
 use crate::mesh::departure::Shell;
+
+use crate::ray::Ray;
 
 use super::place::{Place, corners};
 use super::{InstanceError, Motion, Surface};
@@ -86,6 +89,16 @@ impl MovingInstance {
     #[inline]
     pub(super) fn place(&self, time: f64) -> Place {
         Place::unchecked(self.world_from_local(time))
+    }
+
+    /// A ray in the frame of the prototype, which is where the ray's time says; the parameter stays.
+    pub fn local_ray(&self, ray: &Ray) -> Ray {
+        self.place(ray.time).local_ray(ray)
+    }
+
+    /// A hit of the prototype, in the world at a time.
+    pub fn world_hit(&self, hit: Hit, time: f64) -> Hit {
+        Hit { time, ..self.place(time).world_hit(hit) }
     }
 
     /// A box around the surface at all times.

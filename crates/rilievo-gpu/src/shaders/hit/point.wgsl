@@ -70,6 +70,25 @@ fn turned_by_transpose(at: u32, v: vec3<f32>) -> vec3<f32> {
     return out;
 }
 
+// The time of all rays of a slot.
+var<private> time_now: Double;
+
+// The motion at a place.
+fn motion_in_scene(place: u32) -> Motion {
+    return Motion(
+        place_in_scene(place),
+        place_in_scene(place + 6u),
+        place_in_scene(place + 12u),
+        double_in_scene(place + 18u),
+    );
+}
+
+// A vector of a prototype's frame at time 0 as it is now, in floats.
+fn turned_now(turn: Turn, v: vec3<f32>) -> vec3<f32> {
+    let a = rough_place(turn.axis);
+    return v * turn.cosine.x + cross(a, v) * turn.sine.x + a * (dot(a, v) * (1.0 - turn.cosine.x));
+}
+
 // What a hit looks like.
 fn point_of(hit: Hit, source: Ray) -> Point {
     let record = record_of(hit.surface);
@@ -77,9 +96,15 @@ fn point_of(hit: Hit, source: Ray) -> Point {
     let transform = scene[record + 6u];
     let moved = INSTANCES && transform != NOTHING;
     var local = source;
+    var turn: Turn;
+    let moves = MOVING && moved && scene[record + 7u] != 0u;
+    if moves {
+        turn = turn_at(motion_in_scene(transform + 48u), source.time);
+        local = ray_at_begin(turn, source);
+    }
     if moved {
-        local.origin = transformed_place(transform, source.origin, true);
-        local.direction = transformed_place(transform, source.direction, false);
+        local.origin = transformed_place(transform, local.origin, true);
+        local.direction = transformed_place(transform, local.direction, false);
     }
     var point: Point;
     switch scene[record + 3u] {
@@ -118,6 +143,16 @@ fn point_of(hit: Hit, source: Ray) -> Point {
         point.along_u = turned(back, point.along_u);
         point.along_v = turned(back, point.along_v);
     }
+    if moves {
+        let place = turned_about(turn, -turn.sine, point.position);
+        for (var k = 0u; k < 3u; k++) {
+            point.position[k] = sum(place[k], turn.pivot[k]);
+        }
+        point.geometric = turned_now(turn, point.geometric);
+        point.shading = turned_now(turn, point.shading);
+        point.along_u = turned_now(turn, point.along_u);
+        point.along_v = turned_now(turn, point.along_v);
+    }
     point.surface = hit.surface;
     point.front = (hit.part & FRONT) != 0u;
     point.distance = hit.t.x * length(rough_direction(source));
@@ -145,6 +180,7 @@ fn spawn(point: Point, direction: Place3, end: Double) -> Ray {
     let front = dot(rough, point.geometric) >= 0.0;
     out.leaves = (point.wall << WALL_SHIFT) | select(0u, FRONT, front);
     out.line = point.line;
+    out.time = time_now;
     out.zero = zero;
     out.exempt = NOTHING;
     out.any = 0u;
@@ -161,6 +197,7 @@ fn no_ray() -> Ray {
     var out: Ray;
     out.direction[0] = double(1.0);
     out.t_max = double(-1.0);
+    out.time = time_now;
     out.surface = NOTHING;
     out.exempt = NOTHING;
     out.zero = zero;

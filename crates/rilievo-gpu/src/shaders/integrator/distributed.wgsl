@@ -291,6 +291,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     zero = rays[at].zero;
+    time_now = rays[at].time;
     take_in(at, hits[at]);
     if !send(at) {
         slots[at].stage = DONE;

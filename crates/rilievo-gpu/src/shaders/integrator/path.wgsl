@@ -226,6 +226,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     zero = rays[at].zero;
+    time_now = rays[at].time;
     var walk_now: Walk;
     if slots[at].stage == CAMERA {
         walk_now.throughput = vec3<f32>(1.0);
