@@ -45,7 +45,7 @@ impl<'a> GpuWorld<'a> {
     /// Brings the surfaces of a world to a GPU: heights and pyramids, each map once.
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`] for a surface that moves; otherwise as the device says.
+    /// [`GpuError::Unsupported`] for trees too deep for the shaders; otherwise as the device says.
     pub fn new(gpu: &'a Gpu, world: &'a World) -> Result<Self, GpuError> {
         let anchor = anchor_of(world);
         let words = Upload::new(world, anchor)?;

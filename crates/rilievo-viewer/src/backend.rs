@@ -234,6 +234,27 @@ impl Renderer {
         Ok((film?, Some(brought)))
     }
 
+    /// Brings the scene of a side to the GPU before it is drawn again, and has shaders compiled for it.
+    pub fn bring_ahead(&mut self, side: usize, scene: &Scene) {
+        let brought = self.prepare(side, scene);
+        let (Some(_), Device::Open(gpu)) = (brought, &self.device) else { return };
+        let gpu = Arc::clone(gpu);
+        let OnDevice::Surfaces(resident) = std::mem::take(&mut self.sides[side]) else { return };
+        let Some((surfaces, lit, maps)) = resident.into_ready() else { return };
+        let world = GpuWorld::again(&gpu, scene.world(), surfaces);
+        let made =
+            lit.tracer((&gpu, &mut self.shaders), (world, scene), (false, |_: &GpuError| {}));
+        match made {
+            Ok((tracer, lit, shaded)) => {
+                self.shaded[side] = shaded;
+                let (surfaces, light) = tracer.into_parts();
+                let resident = Resident::traced(surfaces, light.map_or(lit, Lit::Now), maps);
+                self.sides[side] = OnDevice::Surfaces(Box::new(resident));
+            }
+            Err(error) => self.gave_up(side, &error),
+        }
+    }
+
     /// Brings the scene of a side to the GPU, as far as it is not there; what had to be brought, if the GPU is ready to
     /// trace it then.
     pub fn prepare(&mut self, side: usize, scene: &Scene) -> Option<Brought> {

@@ -172,7 +172,7 @@ impl Labour {
     fn prepare(&mut self) {
         for (side, shown) in self.sides.iter().enumerate() {
             if let Some(shown) = shown {
-                self.renderer.prepare(side, &shown.scene);
+                self.renderer.bring_ahead(side, &shown.scene);
             }
         }
         self.tell_backend();

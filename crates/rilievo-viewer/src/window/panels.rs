@@ -89,7 +89,9 @@ fn slider(
     // Numbers beyond the ends stay as they are until the slider is moved.
     let ends = [ends[0].min(value), ends[1].max(value)];
     let slider = Slider::new(&mut now, ends[0]..=ends[1]).text(name).suffix(unit).step_by(step);
-    let response = ui.add(slider.max_decimals(5));
+    // Five of an angle would push its name out of the panel.
+    let decimals = if unit == "°" { 1 } else { 5 };
+    let response = ui.add(slider.max_decimals(decimals));
     viewer.journal.widget(name, response.rect, ui.ctx().pixels_per_point());
     if response.changed() && now != value {
         viewer.act(action(now));
