@@ -174,7 +174,7 @@ fn spawn(point: Point, direction: Place3, end: Double) -> Ray {
     out.t_max = end;
     if end.x < ENDLESS {
         // The other way round, exactly too.
-        out.t_max = end / scale;
+        out.t_max = end * bitcast<f32>(exponent << 23u);
     }
     out.surface = point.surface;
     let front = dot(rough, point.geometric) >= 0.0;

@@ -31,9 +31,12 @@ fn cone_pdf(height: f32) -> f32 {
 fn square_to_visible_normal(u: vec2<f32>, view: vec3<f32>, alpha: f32) -> vec3<f32> {
     let up = vec3<f32>(0.0, 0.0, 1.0);
     let stretched = unit_or(view * vec3<f32>(alpha, alpha, 1.0), up);
-    let z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
-    let r = sqrt(max((1.0 - z) * (1.0 + z), 0.0));
+    // Where the lobe ends z comes near to -stretched.z: floats keep no digit of their sum, so it is not formed from them.
+    let above = 1.0 + stretched.z;
+    let height = (1.0 - u.x) * above;
+    let beneath = height + dot(stretched.xy, stretched.xy) / above;
+    let r = sqrt(max(u.x * above * beneath, 0.0));
     let turn = sin_cos_turns(u.y);
-    let half = vec3<f32>(r * turn.y, r * turn.x, z) + stretched;
-    return unit_or(vec3<f32>(half.xy * alpha, max(half.z, 0.0)), up);
+    let half = vec2<f32>(r * turn.y, r * turn.x) + stretched.xy;
+    return unit_or(vec3<f32>(half * alpha, height), up);
 }
