@@ -2,7 +2,7 @@
 //!
 //! The code of a node follows from a distance that the CPU finds to within [`NodeSearch::error`] scene units. So a backend
 //! that encloses the distance, less and plus that error, between two with one code knows the code, whatever it computes with; for the
-//! few nodes that it cannot tell it asks for [`NodeSearch::code`].
+//! few nodes that it cannot tell it asks for [`NodeSearch::codes`].
 
 use rayon::prelude::*;
 
