@@ -184,7 +184,7 @@ fn paint(viewer: &mut Viewer, ui: &Ui, response: &eframe::egui::Response, at: Op
     let Some(pick) = viewer.worker.pick(at) else { return };
     let Some((map, _)) = pick.map else {
         if !viewer.brush.down {
-            viewer.message = Some(PaintError::NoMap.to_string());
+            viewer.message = Some(Err(PaintError::NoMap.to_string()));
         }
         return;
     };

@@ -66,8 +66,11 @@ pub fn status(viewer: &Viewer, ui: &mut Ui) {
             renders.on_hover_text(&why.text);
         }
         if let Some(message) = &viewer.message {
-            let first = message.lines().next().unwrap_or_default();
-            ui.colored_label(Color32::from_rgb(240, 120, 90), first).on_hover_text(message);
+            let (Ok(text) | Err(text)) = message;
+            let first = RichText::new(text.lines().next().unwrap_or_default());
+            let trouble = Color32::from_rgb(240, 120, 90);
+            let first = if message.is_ok() { first } else { first.color(trouble) };
+            ui.label(first).on_hover_text(text);
         } else if let Some(note) = viewer.notes.first() {
             ui.weak(note).on_hover_text(viewer.notes.join("\n"));
         }

@@ -132,7 +132,8 @@ impl Viewer {
         }
         let free = known || !path.exists();
         if !free {
-            self.message = Some(format!("{} is there; once more replaces it", path.display()));
+            let there = format!("{} is there; once more replaces it", path.display());
+            self.message = Some(Err(there));
         }
         free
     }
@@ -160,13 +161,13 @@ impl Viewer {
             shown.relief(shape).map(|relief| save::map(&path, relief.heights()))
         });
         match saved.flatten() {
-            None => self.message = Some("no map that can be saved".to_owned()),
-            Some(Err(e)) => self.message = Some(e.to_string()),
+            None => self.message = Some(Err("no map that can be saved".to_owned())),
+            Some(Err(e)) => self.message = Some(Err(e.to_string())),
             Some(Ok(meaning)) => {
                 self.session.take_map(Path::new(&name), meaning);
                 self.painted = false;
                 self.need(Change::Scene);
-                self.message = Some(format!("saved {}", path.display()));
+                self.message = Some(Ok(format!("saved {}", path.display())));
             }
         }
         !self.painted
@@ -183,7 +184,7 @@ impl Viewer {
         }
         let Some(document) = self.session.document().moved(&path) else {
             let why = "the files that the scene names cannot be named from there";
-            self.message = Some(format!("{}: {why}", path.display()));
+            self.message = Some(Err(format!("{}: {why}", path.display())));
             return;
         };
         let done = save::scene(&path, &document.text());
@@ -200,7 +201,7 @@ impl Viewer {
     }
 
     fn told(&mut self, result: rilievo_io::Result<String>) {
-        self.message = Some(result.unwrap_or_else(|e| e.to_string()));
+        self.message = Some(result.map_err(|e| e.to_string()));
     }
 }
 

@@ -45,8 +45,8 @@ pub struct Viewer {
     pub sides: [Uploaded; 2],
     pub histogram: Option<Histogram>,
     pub pick: Option<Pick>,
-    /// What was said last.
-    pub message: Option<String>,
+    /// What was said last: of what was done, or of what could not be.
+    pub message: Option<Result<String, String>>,
     pub notes: Vec<String>,
     pub saving: Saving,
     /// Pixels of the picture.
@@ -181,7 +181,7 @@ impl Viewer {
         let file = match self.session.document().parse() {
             Ok(file) => file,
             Err(e) => {
-                self.message = Some(e.to_string());
+                self.message = Some(Err(e.to_string()));
                 return;
             }
         };
@@ -195,7 +195,7 @@ impl Viewer {
                 match document.parse() {
                     Ok(file) => Some(Side { file, method: None, change }),
                     Err(e) => {
-                        self.message = Some(e.to_string());
+                        self.message = Some(Err(e.to_string()));
                         None
                     }
                 }
@@ -248,12 +248,12 @@ impl Viewer {
                 Event::Backend { name, why } => {
                     self.renders = name;
                     if let Some(why) = why.as_ref().filter(|why| why.loud) {
-                        self.message = Some(why.text.clone());
+                        self.message = Some(Err(why.text.clone()));
                     }
                     self.why = why;
                 }
                 Event::Failed(why) => {
-                    self.message = Some(why);
+                    self.message = Some(Err(why));
                     self.failed = Some(self.serial);
                 }
             }
@@ -279,14 +279,14 @@ impl Viewer {
                     Ok(file) if file.text() == self.session.document().text() => {}
                     Ok(_) if self.session.unsaved => {
                         let why = "the scene file has changed; what was edited here is kept";
-                        self.message = Some(why.to_owned());
+                        self.message = Some(Err(why.to_owned()));
                     }
                     Ok(file) => {
                         self.session.reload(&file);
                         self.watch_anew(&file);
                         self.need(Change::Scene);
                     }
-                    Err(e) => self.message = Some(e.to_string()),
+                    Err(e) => self.message = Some(Err(e.to_string())),
                 }
             }
             Some(_) => self.need(Change::Scene),
