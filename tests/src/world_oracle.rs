@@ -1,7 +1,7 @@
 //! The judge of whole worlds: every surface has a judge of its own, and all of them are asked.
 //!
 //! No tree, no box of the library, no order. Reliefs are judged by [`Oracle`], [`SphereOracle`] and [`MeshOracle`], triangles
-//! by their determinants, balls by their quadratic; instances of a surface share its judge, and the
+//! by their determinants, balls by their quadratic; instances of a surface, at rest or moving, share its judge, and the
 //! ball around all that it shows ([`Ball`]) says which of them a ray passes.
 
 mod flat;
@@ -14,13 +14,13 @@ use glam::{DAffine3, DVec3};
 use rilievo::map::CubeFace;
 use rilievo::mesh::Mesh;
 use rilievo::relief::{Edges, ReliefFace, ReliefMesh, ReliefSphere};
-use rilievo::surface::{Surface, World};
+use rilievo::surface::{MovingInstance, Surface, World};
 use rilievo::{Hit, Ray};
 
 use crate::ball::{Ball, Line};
 use crate::mesh_oracle::{Closing, MeshOracle};
 use crate::nudge::nudged;
-use crate::oracle::{Oracle, Placement};
+use crate::oracle::{self, Oracle};
 use crate::sphere::oracle::SphereOracle;
 
 /// A world to be judged by.
@@ -32,7 +32,14 @@ pub struct WorldOracle<'a> {
 struct Shown<'a> {
     judge: Arc<Judge<'a>>,
     /// For an instance: where it stands, and a ball around its prototype in that frame.
-    place: Option<(DAffine3, Ball)>,
+    place: Option<(Place<'a>, Ball)>,
+}
+
+/// Where an instance stands.
+enum Place<'a> {
+    /// Its frame, from the world.
+    Still(DAffine3),
+    Moving(&'a MovingInstance),
 }
 
 /// The judge of one surface, in a frame of its own.
@@ -59,27 +66,32 @@ impl<'a> WorldOracle<'a> {
     /// Judges of all surfaces of a world.
     ///
     /// # Errors
-    /// The first kind of surface that has no judge: one that moves, a displaced mesh that is one-sided, of several
-    /// maps, or open without walls.
+    /// The first kind of surface that has no judge: a displaced mesh that is one-sided, of several maps, or open
+    /// without walls.
     pub fn new(world: &'a World) -> Result<Self, String> {
         let mut prototypes = HashMap::new();
         let mut shown = Vec::new();
         for surface in world.surfaces() {
-            let Surface::Instance(instance) = surface else {
-                shown.push(Shown { judge: Arc::new(Judge::new(surface)?), place: None });
-                continue;
+            let (prototype, place) = match surface {
+                Surface::Instance(instance) => {
+                    let local_from_world = instance.world_from_local().inverse();
+                    (instance.prototype(), Place::Still(local_from_world))
+                }
+                Surface::Moving(moving) => (moving.prototype(), Place::Moving(moving)),
+                _ => {
+                    shown.push(Shown { judge: Arc::new(Judge::new(surface)?), place: None });
+                    continue;
+                }
             };
-            let address = Arc::as_ptr(instance.prototype()).addr();
-            let (judge, ball) = match prototypes.entry(address) {
+            let (judge, ball) = match prototypes.entry(Arc::as_ptr(prototype).addr()) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(free) => {
-                    let judge = Judge::new(instance.prototype())?;
+                    let judge = Judge::new(prototype)?;
                     let ball = judge.around();
                     free.insert((Arc::new(judge), ball))
                 }
             };
-            let local_from_world = instance.world_from_local().inverse();
-            shown.push(Shown { judge: Arc::clone(judge), place: Some((local_from_world, *ball)) });
+            shown.push(Shown { judge: Arc::clone(judge), place: Some((place, *ball)) });
         }
         Ok(Self { shown })
     }
@@ -109,7 +121,11 @@ impl<'a> WorldOracle<'a> {
 
 impl Shown<'_> {
     fn meet(&self, ray: &Ray) -> Option<f64> {
-        let Some((local_from_world, ball)) = &self.place else { return self.judge.meet(ray) };
+        let Some((place, ball)) = &self.place else { return self.judge.meet(ray) };
+        let local_from_world = match place {
+            Place::Still(local_from_world) => *local_from_world,
+            Place::Moving(moving) => moving.world_from_local(ray.time).inverse(),
+        };
         let local = Ray {
             origin: local_from_world.transform_point3(ray.origin),
             direction: local_from_world.transform_vector3(ray.direction),
@@ -138,8 +154,9 @@ impl<'a> Judge<'a> {
             Surface::Face(face) => Ok(Self::Face(Box::new(of_face(face)))),
             Surface::ReliefSphere(sphere) => Ok(Self::ReliefSphere(Box::new(of_sphere(sphere)))),
             Surface::ReliefMesh(mesh) => of_mesh(mesh).map(Box::new).map(Self::ReliefMesh),
-            Surface::Instance(_) => Err("an instance of an instance".to_owned()),
-            Surface::Moving(_) => Err("a surface that moves".to_owned()),
+            Surface::Instance(_) | Surface::Moving(_) => {
+                Err("an instance of an instance".to_owned())
+            }
         }
     }
 
@@ -178,13 +195,13 @@ fn of_face(face: &ReliefFace) -> Oracle<'_> {
     let [c0, e1, e2, _] = face.frame();
     let options = face.options();
     let displacement = &options.displacement;
-    let place = Placement {
+    let place = oracle::Placement {
         zero: displacement.zero,
         tile: displacement.tile,
         shift: displacement.shift,
         closed: options.closed,
         one_sided: options.one_sided,
-        ..Placement::new(c0, e1, e2, displacement.scale)
+        ..oracle::Placement::new(c0, e1, e2, displacement.scale)
     };
     Oracle::new(face.relief().heights(), place)
 }

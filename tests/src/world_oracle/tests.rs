@@ -4,7 +4,7 @@ use glam::DQuat;
 use rilievo::SimdLevel;
 use rilievo::map::{Lattice, Layout, Wrap};
 use rilievo::relief::{Displacement, MeshOptions, Method, Relief};
-use rilievo::surface::{Instance, Quad, Sphere};
+use rilievo::surface::{Instance, Motion, Quad, Sphere};
 
 use super::*;
 use crate::maps::Shape;
@@ -12,7 +12,7 @@ use crate::meshes::Base;
 use crate::random::Random;
 use crate::{kernel, scenes, sphere};
 
-/// A surface of every kind at random places, and three instances of each.
+/// A surface of every kind at random places, and three instances of each, one of which moves.
 fn world(random: &mut Random) -> World {
     let scene = scenes::named("fbm 64");
     let pebble = &sphere::scenes()[1];
@@ -41,7 +41,18 @@ fn world(random: &mut Random) -> World {
         let scale = DVec3::new(1.0, random.range(0.5, 1.5), random.sign());
         let place =
             DAffine3::from_scale_rotation_translation(scale, turn, 4.0 * random.direction());
-        all.push(Instance::new(Arc::new(all[k % kinds].clone()), place).unwrap().into());
+        let prototype = Arc::new(all[k % kinds].clone());
+        if k < 2 * kinds {
+            all.push(Instance::new(prototype, place).unwrap().into());
+            continue;
+        }
+        let motion = Motion {
+            translation: 2.0 * random.direction(),
+            axis: random.direction(),
+            pivot: 3.0 * random.direction(),
+            angle: random.range(-2.0, 2.0),
+        };
+        all.push(MovingInstance::new(prototype, place, motion).unwrap().into());
     }
     World::new(all)
 }
@@ -55,7 +66,8 @@ fn hits_in_whole_worlds_are_those_of_their_judge() {
         let oracle = WorldOracle::new(&world).unwrap();
         for _ in 0..1000 {
             let [from, to] = [random.range(0.0, 9.0), 3.0].map(|size| size * random.direction());
-            let ray = Ray { t_max: random.range(0.3, 3.0), ..Ray::new(from, to - from) };
+            let (t_max, time) = (random.range(0.3, 3.0), random.unit());
+            let ray = Ray { t_max, time, ..Ray::new(from, to - from) };
             let found = world.closest(&ray, &mut ());
             let same = match (&found, oracle.closest(&ray)) {
                 (None, None) => true,
